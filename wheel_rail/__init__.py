@@ -1,0 +1,25 @@
+"""Track and rail, wheel-rail contact, creep laws and adhesion.
+
+Conventions: s along the centreline at top of rail; y left, z up; curvature positive to the left; cant positive with the
+right rail raised; gradient positive uphill. Creepage = sliding velocity of the wheel's material over the rail, divided by
+max(|v|, |omega r|); longitudinal creepage is positive for a braked wheel, whose force on the wheel is negative.
+SI units throughout; compiled functions take world vectors of three components.
+"""
+
+from wheel_rail.adhesion import REFERENCE_LOAD_N, REFERENCE_SPEED_MPS, Adhesion, AdhesionParameters
+from wheel_rail.conical import CONTACT, ConicalContact, ConicalContactParameters
+from wheel_rail.polach import SURFACES
+from wheel_rail.track import Track, TrackParameters
+
+__all__ = [
+    "CONTACT",
+    "REFERENCE_LOAD_N",
+    "REFERENCE_SPEED_MPS",
+    "SURFACES",
+    "Adhesion",
+    "AdhesionParameters",
+    "ConicalContact",
+    "ConicalContactParameters",
+    "Track",
+    "TrackParameters",
+]

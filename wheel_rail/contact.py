@@ -1,0 +1,174 @@
+"""Forces between one wheelset and the track: normal contact, creep and flange of both wheels, compiled.
+
+A wheel is a surface of revolution about the axle; it touches the rail where its normal is perpendicular to the rail.
+The normal force is a unilateral spring and damper along that normal, the creep force Polach's law in the tangent plane.
+"""
+
+import math
+
+import numpy as np
+
+from wheel_rail.compiled import Array, Record, Vector, compiled
+from wheel_rail.polach import polach_force
+
+# what `wheel_contact` reports for each wheel
+NORMAL, LONGITUDINAL, LATERAL, TANGENT, SECANT, SLIDE_POWER, SLIDE, PENETRATION = range(8)
+REPORT = 8
+
+
+@compiled
+def _over_root(x: float) -> float:
+    """1/sqrt(1 + x^2) to rounding for the slopes of cant ramps and yawed cones, |x| < 0.01."""
+    x2 = x * x
+    return 1.0 - 0.5 * x2 * (1.0 - 0.75 * x2 * (1.0 - 5.0 / 6.0 * x2))
+
+
+@compiled
+def rail_law(s_m: float, side: int, cell_m: float, table: Array, law: Array) -> None:
+    """Friction-law parameters (mu0, A, B, kA, kS) of one rail (0 left, 1 right) at s, into `law` (5,)."""
+    u = s_m / cell_m
+    k = int(u)
+    if k < 0:
+        k = 0
+        u = 0.0
+    last = table.shape[1] - 2
+    if k > last:
+        k = last
+        u = last + 1.0
+    u -= k
+    for j in range(5):
+        law[j] = table[side, k, j] + u * (table[side, k + 1, j] - table[side, k, j])
+
+
+@compiled
+def wheel_contact(
+    side: int, position: Array, axle: Vector, velocity: Array, carrier_rate: Vector, spin_radps: float, frame: Array,
+    constants: Record, law: Array, normal: Array, creep: Array, report: Array,
+) -> None:  # fmt: skip
+    """Forces of one wheel (`side` +1 left, -1 right) on its wheelset.
+
+    `position`, `velocity` (3,): wheelset centre in the world; `axle` (3,): unit vector of the axle to the left;
+    `carrier_rate` (3,): angular velocity of the wheelset without its part along the axle, rad/s; `frame` (14,): the
+    track at the wheelset. Adds to `normal` (7,) and `creep` (7,): force (3) in the world, moment about the centre (3)
+    without its part along the axle, and torque about the axle (1). `report` (REPORT,): see the constants above.
+    """
+    r0 = constants.radius_m
+    half = side * constants.half_spacing_m
+    tx, ty, tz = frame[3], frame[4], frame[5]
+    nx, ny, nz = frame[6], frame[7], frame[8]
+    bx, by, bz = frame[9], frame[10], frame[11]
+    ex, ey, ez = axle[0], axle[1], axle[2]
+    # rail's own tangent: the cant ramp lifts one rail and lowers the other
+    lift = half * frame[12] / (1.0 - half * frame[13])
+    scale = _over_root(lift)
+    cx, cy, cz = (tx + lift * bx) * scale, (ty + lift * by) * scale, (tz + lift * bz) * scale
+    # perpendicular to rail and axle, upwards; rolling direction of the wheel
+    zx, zy, zz = cy * ez - cz * ey, cz * ex - cx * ez, cx * ey - cy * ex
+    scale = 1.0 / math.sqrt(zx * zx + zy * zy + zz * zz)
+    zx *= scale
+    zy *= scale
+    zz *= scale
+    rx, ry, rz = ey * zz - ez * zy, ez * zx - ex * zz, ex * zy - ey * zx
+    # a yawed cone touches ahead of or behind the axle: turn the radial direction until the normal is square to the rail
+    ahead = side * constants.conicity * (ex * cx + ey * cy + ez * cz) / (rx * cx + ry * cy + rz * cz)
+    scale = _over_root(ahead)
+    zx, zy, zz = (zx + ahead * rx) * scale, (zy + ahead * ry) * scale, (zz + ahead * rz) * scale
+    rx, ry, rz = ey * zz - ez * zy, ez * zx - ex * zz, ex * zy - ey * zx
+    # where on the axle the wheel stands above its rail
+    dx, dy, dz = position[0] - frame[0], position[1] - frame[1], position[2] - frame[2]
+    offset = dx * nx + dy * ny + dz * nz
+    radius = r0 + constants.conicity * side * offset
+    along = (half - offset + radius * (zx * nx + zy * ny + zz * nz)) / (ex * nx + ey * ny + ez * nz)
+    radius = r0 - constants.conicity * (side * along - constants.half_spacing_m)
+    px, py, pz = along * ex - radius * zx, along * ey - radius * zy, along * ez - radius * zz
+    # normal of the cone at the contact, from the rail into the wheel
+    scale = constants.cosine
+    inward = -side * constants.conicity
+    mx, my, mz = (zx + inward * ex) * scale, (zy + inward * ey) * scale, (zz + inward * ez) * scale
+    depth = -((dx + px - half * nx) * mx + (dy + py - half * ny) * my + (dz + pz - half * nz) * mz)
+    report[PENETRATION] = depth
+    for k in range(PENETRATION):
+        report[k] = 0.0
+    if depth <= 0.0:
+        return
+    # velocity of the wheel's material at the contact
+    ox, oy, oz = carrier_rate[0] + spin_radps * ex, carrier_rate[1] + spin_radps * ey, carrier_rate[2] + spin_radps * ez
+    vx = velocity[0] + oy * pz - oz * py
+    vy = velocity[1] + oz * px - ox * pz
+    vz = velocity[2] + ox * py - oy * px
+    load = constants.stiffness_npm * depth - constants.damping_nspm * (vx * mx + vy * my + vz * mz)
+    if load <= 0.0:
+        return
+    fx, fy, fz = load * mx, load * my, load * mz
+    normal[0] += fx
+    normal[1] += fy
+    normal[2] += fz
+    # the normal of a surface of revolution meets its axis: no torque about the axle
+    normal[3] += py * fz - pz * fy
+    normal[4] += pz * fx - px * fz
+    normal[5] += px * fy - py * fx
+
+    # creepages in the tangent plane: c along the rail, l = m x c to the left
+    lx, ly, lz = my * cz - mz * cy, mz * cx - mx * cz, mx * cy - my * cx
+    slide_c = vx * cx + vy * cy + vz * cz
+    slide_l = vx * lx + vy * ly + vz * lz
+    forward = abs(velocity[0] * tx + velocity[1] * ty + velocity[2] * tz)
+    rim = abs(spin_radps) * radius
+    fastest = forward if forward > rim else rim
+    speed = math.sqrt(fastest * fastest + constants.creep_speed_mps * constants.creep_speed_mps)
+    # the ellipse grows with the cube root of the load at constant ratio
+    growth = np.cbrt(load / constants.reference_load_n)
+    patch = (
+        constants.patch[0] * growth,
+        constants.patch[1] * growth,
+        constants.patch[2],
+        constants.patch[3],
+        constants.patch[4],
+        constants.patch[5],
+    )
+    spin = (ox * mx + oy * my + oz * mz) / speed
+    slide = math.sqrt(slide_c * slide_c + slide_l * slide_l)
+    along_rail, across, tangent, secant = polach_force(
+        slide_c / speed, slide_l / speed, spin, slide, load, patch, law, constants.shear_modulus_pa
+    )
+    fx, fy, fz = along_rail * cx + across * lx, along_rail * cy + across * ly, along_rail * cz + across * lz
+    qx, qy, qz = py * fz - pz * fy, pz * fx - px * fz, px * fy - py * fx
+    torque = qx * ex + qy * ey + qz * ez
+    creep[0] += fx
+    creep[1] += fy
+    creep[2] += fz
+    creep[3] += qx - torque * ex
+    creep[4] += qy - torque * ey
+    creep[5] += qz - torque * ez
+    creep[6] += torque
+    report[NORMAL] = load
+    report[LONGITUDINAL] = along_rail
+    report[LATERAL] = across
+    report[TANGENT] = tangent / speed
+    report[SECANT] = secant / speed
+    report[SLIDE] = slide_c
+    report[SLIDE_POWER] = -(along_rail * slide_c + across * slide_l)
+
+
+@compiled
+def flange_force(position: Array, frame: Array, constants: Record, normal: Array) -> None:
+    """Add the flange's lateral stop to `normal` (7,): an elastic force along the track's lateral axis beyond the play."""
+    offset = (
+        (position[0] - frame[0]) * frame[6] + (position[1] - frame[1]) * frame[7] + (position[2] - frame[2]) * frame[8]
+    )
+    play = abs(offset) - constants.flange_clearance_m
+    if play > 0.0:
+        force = -math.copysign(constants.flange_stiffness_npm * play, offset)
+        normal[0] += force * frame[6]
+        normal[1] += force * frame[7]
+        normal[2] += force * frame[8]
+        # it acts at rail level, one radius below the axle
+        arm_x, arm_y, arm_z = (
+            -constants.radius_m * frame[9],
+            -constants.radius_m * frame[10],
+            -constants.radius_m * frame[11],
+        )
+        fx, fy, fz = force * frame[6], force * frame[7], force * frame[8]
+        normal[3] += arm_y * fz - arm_z * fy
+        normal[4] += arm_z * fx - arm_x * fz
+        normal[5] += arm_x * fy - arm_y * fx
