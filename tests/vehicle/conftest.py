@@ -1,0 +1,81 @@
+"""A coach on a line of the test's choice, and a short way to run and record it."""
+
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from vehicle import COACH_PRESETS, OBSERVATION, Actuation, Coach, CoachParameters, CoachState, SolveReport
+from wheel_rail import Adhesion, AdhesionParameters, ConicalContact, Track, TrackParameters
+
+RECORD_S = 0.005
+
+
+@pytest.fixture(scope="session")
+def parameters() -> CoachParameters:
+    with COACH_PRESETS["malvezzi-2014"].open("rb") as file:
+        return CoachParameters.model_validate(tomllib.load(file))
+
+
+@dataclass
+class Bench:
+    """A coach on its line; `run` returns the observations every 5 ms."""
+
+    parameters: CoachParameters
+    track: Track
+    adhesion: Adhesion
+    coach: Coach
+
+    def run(
+        self,
+        *,
+        step_s: float = 0.005,
+        duration_s: float,
+        speed_mps: float,
+        position_m: float = 50.0,
+        brake: Callable[[float], np.ndarray | float] = lambda t: 0.0,
+        drive: Callable[[float], float] = lambda t: 0.0,
+        until: Callable[[CoachState], bool] = lambda state: False,
+    ) -> tuple[np.ndarray, SolveReport]:
+        rows = np.zeros(round(duration_s / RECORD_S) + 2, OBSERVATION)
+        every = round(RECORD_S / step_s)
+        count = 0
+        steps = 0
+        actuation = Actuation()
+
+        def on_step(t_s: float, state: CoachState) -> Actuation | None:
+            nonlocal count, steps
+            if steps % every == 0:
+                state.observe(t_s, rows, count)
+                count += 1
+                if until(state):
+                    return None
+            steps += 1
+            actuation.brake_torque_nm[:] = brake(t_s)
+            actuation.drive_torque_nm[:] = drive(t_s)
+            return actuation
+
+        report = self.coach.run(step_s, duration_s, position_m, speed_mps, on_step)
+        return rows[:count], report
+
+
+MakeBench = Callable[..., Bench]
+
+
+@pytest.fixture(scope="session")
+def make_bench(parameters: CoachParameters) -> MakeBench:
+    def make(peak_adhesion: float = 0.3, surface: str = "dry", **line: object) -> Bench:
+        track_parameters = TrackParameters.model_validate({"length_m": 4000.0, **line})
+        track = Track(track_parameters)
+        contact = ConicalContact(
+            parameters.contact, 0.5 * parameters.wheelset.wheel_diameter_m, parameters.static_wheel_load_n
+        )
+        rail = AdhesionParameters.model_validate(
+            {"stretches": [{"from_m": 0.0, "surface": surface, "peak_adhesion": peak_adhesion}]}
+        )
+        adhesion = Adhesion(rail, track_parameters.length_m, contact, np.random.default_rng(1))
+        return Bench(parameters, track, adhesion, Coach(parameters, contact, track, adhesion))
+
+    return make

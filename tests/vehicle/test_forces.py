@@ -1,0 +1,124 @@
+"""The compiled force routine: statics, conservation laws and its Jacobian."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.vehicle.conftest import Bench, MakeBench
+from vehicle.forces import GRAVITY, SUSPENSION, coach_force, coach_jacobian, forces_by_class
+from vehicle.layout import BODIES, COORDINATES, SPIN, centres, coach_record
+
+
+def at_rest(bench: Bench, speed_mps: float = 20.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Record, q and v of the coach standing in its suspension on level straight track, rolling."""
+    record = coach_record(bench.parameters, bench.coach._contact)
+    coach = record[0]
+    coach["cell_m"], coach["track_origin_m"] = bench.adhesion.cell_m, bench.track.origin_m
+    q, v = np.zeros(COORDINATES), np.zeros(COORDINATES)
+    for i, centre in enumerate(centres(bench.parameters)):
+        q[6 * i : 6 * i + 3] = centre + (100.0, 0.0, 0.0)
+        v[6 * i] = speed_mps
+    v[SPIN:] = speed_mps / 0.46
+    coach["s"] = (*q[18:SPIN:6], q[0])
+    return record, q, v
+
+
+def test_static_wheel_loads(make_bench: MakeBench) -> None:
+    """56 t on eight wheels: 68.67 kN each, and no body is pushed up or down."""
+    bench = make_bench()
+    record, q, v = at_rest(bench)
+    forces_by_class(q, v, record[0], bench.track.table, bench.adhesion.table)
+    coach = record[0]
+    vertical = coach["report"][:, :, 0] / np.sqrt(1.0 + 0.05**2)
+    assert vertical == pytest.approx(np.full((4, 2), 68_670.0), rel=1e-6)
+    for i in range(BODIES):
+        weight = -coach["force"][GRAVITY, 6 * i + 2]
+        without_creep = coach["force"][[GRAVITY, SUSPENSION, 2], 6 * i + 2].sum()
+        assert abs(without_creep) < 1e-6 * weight
+
+
+def disturbed(seed: int, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    q, v = q.copy(), v.copy()
+    for i in range(BODIES):
+        size = 0.02 if i < 3 else 1e-4
+        q[6 * i : 6 * i + 6] += rng.uniform(-size, size, 6)
+        v[6 * i : 6 * i + 6] += rng.uniform(-20 * size, 20 * size, 6)
+    return q, v
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_suspension_conserves_momentum_and_angular_momentum(make_bench: MakeBench, seed: int) -> None:
+    """Internal forces and their moments about the origin sum to zero in any state."""
+    bench = make_bench()
+    record, q, v = at_rest(bench)
+    q, v = disturbed(seed, q, v)
+    coach = record[0]
+    forces_by_class(q, v, coach, bench.track.table, bench.adhesion.table)
+    f = coach["force"][SUSPENSION]
+    force, moment, size = np.zeros(3), np.zeros(3), 0.0
+    for i in range(BODIES):
+        at = 6 * i
+        force += f[at : at + 3]
+        moment += (
+            np.cross(q[at : at + 3] - (100.0, 0.0, 0.0), f[at : at + 3]) + coach["rotation"][i] @ f[at + 3 : at + 6]
+        )
+        size += np.abs(f[at : at + 3]).sum()
+    assert np.abs(force).max() < 1e-10 * size
+    assert np.abs(moment).max() < 1e-9 * size
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_springs_without_dampers_are_conservative(make_bench: MakeBench, seed: int) -> None:
+    """Around a closed path in coordinate space the springs do no work (up to the quadrature's error)."""
+    bench = make_bench()
+    record, q, v = at_rest(bench, 0.0)
+    coach = record[0]
+    coach["damping"] = 0.0
+    coach["rotational_damping"] = 0.0
+    coach["damper"] = -1
+    coach["rotational_stiffness"] = 0.0  # taken from half-angles, conservative only to second order
+    rng = np.random.default_rng(seed)
+    one, two = (np.concatenate([rng.uniform(-0.005, 0.005, 18), np.zeros(28)]) for _ in range(2))
+    # translations only: the generalised forces are then the gradient of the energy without further terms
+    for i in range(3):
+        one[6 * i + 3 : 6 * i + 6] = two[6 * i + 3 : 6 * i + 6] = 0.0
+    work, size = 0.0, 0.0
+    angles = np.linspace(0.0, 2.0 * np.pi, 201)
+    for a in 0.5 * (angles[1:] + angles[:-1]):
+        forces_by_class(q + one * np.cos(a) + two * np.sin(a), v, coach, bench.track.table, bench.adhesion.table)
+        step = (-one * np.sin(a) + two * np.cos(a)) * (angles[1] - angles[0])
+        work += coach["force"][SUSPENSION] @ step
+        size += abs(coach["force"][SUSPENSION] @ step)
+    assert abs(work) < 1e-6 * size
+
+
+@pytest.mark.parametrize("slip", [0.0, 0.01, 0.3, 1.0])
+def test_jacobian_is_the_derivative_of_the_force(make_bench: MakeBench, slip: float) -> None:
+    """Against central differences of the whole force along the same directions, geometric stiffness apart."""
+    bench = make_bench()
+    record, q, v = at_rest(bench)
+    v[SPIN:] *= 1.0 - slip
+    q[19] += 1e-3  # the first wheelset off centre
+    record[0]["capacity"] = 1e4 if slip == 1.0 else 0.0
+    factor_q, factor_v = 1.0, 400.0
+    jacobian = np.empty((COORDINATES, COORDINATES))
+    arguments = (record, bench.track.table, bench.adhesion.table)
+    coach_jacobian(q, v, factor_q, factor_v, *arguments, jacobian)
+    differences = np.empty_like(jacobian)
+    step = 2e-8
+    for j in range(COORDINATES):
+        columns = []
+        for sign in (1.0, -1.0):
+            moved_q, moved_v, f = q.copy(), v.copy(), np.empty(COORDINATES)
+            moved_q[j] += sign * step * factor_q
+            moved_v[j] += sign * step * factor_v
+            coach_force(moved_q, moved_v, f, *arguments)
+            columns.append(f)
+        differences[:, j] = -(columns[0] - columns[1]) / (2.0 * step)
+    scale = np.sqrt(np.outer(np.abs(np.diag(differences)), np.abs(np.diag(differences)))) + 1e6
+    assert np.abs(jacobian - differences).max() / np.abs(differences).max() < 1e-3
+    assert (np.abs(jacobian - differences) / scale).max() < 0.05

@@ -1,0 +1,21 @@
+"""The coach: parameters and presets, suspension and forces, the Exudyn system, modes.
+
+Conventions: coach frame x forward, y left, z up, pitch positive nose down; wheelsets 1..4 from the front; a brake's
+torque is a capacity >= 0, a drive torque is positive forwards. SI units; forces act on the body named.
+"""
+
+from vehicle.coach import Actuation, Coach, CoachState, SolveReport, SolverFailure
+from vehicle.observation import OBSERVATION, POWERS
+from vehicle.parameters import COACH_PRESETS, CoachParameters
+
+__all__ = [
+    "COACH_PRESETS",
+    "OBSERVATION",
+    "POWERS",
+    "Actuation",
+    "Coach",
+    "CoachParameters",
+    "CoachState",
+    "SolveReport",
+    "SolverFailure",
+]

@@ -1,0 +1,301 @@
+"""The coach as an Exudyn system: seven rigid bodies and four spinning wheelsets, solved in one run with a callback.
+
+Exudyn holds bodies and integrates (generalised-alpha); all forces come from the compiled routine of `vehicle.forces`.
+Each step is one linearised solve (no Newton iteration) with the Jacobian refreshed when it has aged. The spectral radius
+is low on purpose: creep is stiff, and at 0.9 the algorithmic accelerations of the spins ring for dozens of steps, so that
+a stale Jacobian makes false creep forces and chatter at standstill; at 0.1 they are gone after two steps, while body and
+bogie modes, slow against the step, stay undamped.
+
+Order within a step from t_k to t_k+1: the state of t_k is observed and handed to `on_step`; what that returns acts
+throughout the step. So the actuation answers a state with no delay beyond the step itself; any delay of valves or
+controllers is the callback's own.
+"""
+
+import contextlib
+import io
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from vehicle.forces import begin_step, coach_force, coach_jacobian
+from vehicle.layout import COORDINATES, SPIN, centres, coach_record
+from vehicle.observation import observe
+from vehicle.parameters import CoachParameters
+from wheel_rail import Adhesion, ConicalContact, Track
+from wheel_rail.track import track_frame
+
+SPECTRAL_RADIUS = 0.1
+
+
+class SolverFailure(RuntimeError):
+    """The integration did not reach its end: when, where and with which step."""
+
+
+@dataclass
+class Actuation:
+    """What acts on the coach during one step; per wheelset.
+
+    `brake_torque_nm`: friction torque that the brake can hold, >= 0 (whether it slides or sticks comes out of the
+    motion); `drive_torque_nm`: positive forwards.
+    """
+
+    brake_torque_nm: np.ndarray = field(default_factory=lambda: np.zeros(4))
+    drive_torque_nm: np.ndarray = field(default_factory=lambda: np.zeros(4))
+
+
+class CoachState:
+    """The coach at the instant of a callback; arrays are views that change from step to step."""
+
+    def __init__(
+        self, q: np.ndarray, v: np.ndarray, record: np.ndarray, track: np.ndarray, adhesion: np.ndarray
+    ) -> None:
+        self._arguments = (q, v, record, track, adhesion)
+        self._velocity = v
+        self._places = record[0]["s"]
+        self.wheel_angle_rad = q[SPIN:]
+        self.wheel_rate_radps = v[SPIN:]
+
+    @property
+    def position_m(self) -> float:
+        """Place of the carbody's centre along the track (within a millimetre)."""
+        return float(self._places[4])
+
+    @property
+    def speed_mps(self) -> float:
+        """Speed of the carbody's centre."""
+        v = self._velocity
+        return float((v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) ** 0.5)
+
+    def observe(self, t_s: float, rows: np.ndarray, row: int) -> None:
+        """Write the full observation into `rows[row]`, dtype `OBSERVATION`."""
+        observe(t_s, *self._arguments, rows, row)
+
+
+@dataclass(frozen=True)
+class SolveReport:
+    """How a run went: simulated and wall time, the step, the Exudyn build, and counts of steps and Jacobians."""
+
+    simulated_s: float
+    wall_s: float
+    step_s: float
+    exudyn_build: str
+    steps: int
+    jacobians: int
+
+
+OnStep = Callable[[float, CoachState], Actuation | None]
+
+
+class Coach:
+    """A coach on a track; see the module's description for how a run proceeds."""
+
+    def __init__(self, parameters: CoachParameters, contact: ConicalContact, track: Track, adhesion: Adhesion) -> None:
+        self.parameters = parameters
+        self._track = track
+        self._adhesion = adhesion
+        self._contact = contact
+
+    def run(
+        self, step_s: float, longest_s: float, initial_position_m: float, initial_speed_mps: float, on_step: OnStep
+    ) -> SolveReport:
+        """Integrate from the place and speed given until `on_step` returns None or `longest_s` is over.
+
+        The coach starts at rest in its suspension, its wheels rolling. Exceptions of `on_step` end the run and are
+        raised again here. Raises SolverFailure when the state stops being finite or the solver gives up.
+        """
+        exu = load_exudyn()
+        record = coach_record(self.parameters, self._contact)
+        coach = record[0]
+        coach["cell_m"] = self._adhesion.cell_m
+        coach["track_origin_m"] = self._track.origin_m
+        container = exu.SystemContainer()  # owns the system: it must outlive the solve
+        mbs = container.AddSystem()
+        system = self._assemble(mbs, record, initial_position_m, initial_speed_mps)
+        solver = exu.MainSolverImplicitSecondOrder()
+        run = _Run(mbs, system, solver, record, self._track.table, self._adhesion.table, step_s, on_step)
+        wall = time.perf_counter()
+        reached = solver.SolveSystem(mbs, _settings(exu, step_s, longest_s))
+        wall = time.perf_counter() - wall
+        run.raise_what_happened(bool(reached))
+        return SolveReport(
+            simulated_s=run.t_s,
+            wall_s=wall,
+            step_s=step_s,
+            exudyn_build=exu.config.Version(True),
+            steps=run.steps,
+            jacobians=run.jacobians,
+        )
+
+    def _assemble(self, mbs: Any, record: np.ndarray, position_m: float, speed_mps: float) -> int:
+        """Add bodies, spins and the object that carries all forces; returns that object's number."""
+        from exudyn.itemInterface import (
+            Node1D,
+            NodeRigidBodyRotVecLG,
+            ObjectGenericODE2,
+            ObjectRigidBody,
+            ObjectRotationalMass1D,
+        )
+
+        coach = record[0]
+        nodes = []
+        frame = np.empty(14)
+        for i, (x, _, z) in enumerate(centres(self.parameters)):
+            track_frame(position_m + x, self._track.origin_m, self._track.table, frame)
+            place = frame[:3] + z * frame[9:12]
+            turn = _rotation_vector(np.stack([frame[3:6], frame[6:9], frame[9:12]], axis=1))
+            node = mbs.AddNode(
+                NodeRigidBodyRotVecLG(
+                    initialCoordinates=[*place, *turn], initialVelocities=[*(speed_mps * frame[3:6]), 0.0, 0.0, 0.0]
+                )
+            )
+            mbs.AddObject(
+                ObjectRigidBody(
+                    mass=float(coach["mass"][i]), inertia=[*map(float, coach["inertia"][i]), 0, 0, 0], nodeNumber=node
+                )
+            )
+            nodes.append(node)
+            if i != 1 and i != 2:
+                coach["s"][i - 3 if i else 4] = position_m + x
+        for _ in range(4):
+            rate = speed_mps / float(coach["contact"]["radius_m"])
+            node = mbs.AddNode(Node1D(referenceCoordinates=[0.0], initialCoordinates=[0.0], initialVelocities=[rate]))
+            mbs.AddObject(ObjectRotationalMass1D(inertia=float(coach["spin_inertia"]), nodeNumber=node))
+            nodes.append(node)
+        number: int = mbs.AddObject(
+            ObjectGenericODE2(
+                nodeNumbers=nodes, massMatrix=np.zeros((COORDINATES, COORDINATES)), forceVector=np.zeros(COORDINATES)
+            )
+        )
+        return number
+
+
+class _Run:
+    """The callbacks of one solve and what they share."""
+
+    def __init__(
+        self,
+        mbs: Any,
+        system: int,
+        solver: Any,
+        record: np.ndarray,
+        track: np.ndarray,
+        adhesion: np.ndarray,
+        step_s: float,
+        on_step: OnStep,
+    ) -> None:
+        self.t_s = 0.0
+        self.steps = 0
+        self.jacobians = 0
+        self._raised: BaseException | None = None
+        self._lost: str | None = None
+        self._step_s = step_s
+        self._coach = record[0]
+        force = np.zeros(COORDINATES)
+        jacobian = np.zeros((COORDINATES, COORDINATES))
+
+        due = True
+
+        def newton_residual(_mbs: Any, _t: float, _iteration: int, _discontinuous: int) -> bool:
+            nonlocal due
+            if due:
+                coach_force(q, v, force, record, track, adhesion)
+                set_parameter(system, "forceVector", force)
+                # in the linearised step only the predictor's forces count
+                due = False
+            return True
+
+        def newton_jacobian(
+            _mbs: Any, _t: float, _item: int, _q: np.ndarray, _v: np.ndarray, factor_q: float, factor_v: float
+        ) -> np.ndarray:
+            self.jacobians += 1
+            coach_jacobian(q, v, factor_q, factor_v, record, track, adhesion, jacobian)
+            return jacobian
+
+        def pre_step(_mbs: Any, _end_s: float) -> bool:
+            nonlocal due
+            due = True
+            # Exudyn names the end of the step, summed up: the start by counting is free of its rounding
+            now = self.steps * step_s
+            try:
+                answer = on_step(now, state)
+            except BaseException as error:  # nothing may pass through the solver's own code
+                self._raised = error
+                return False
+            self.t_s = now
+            if answer is None:
+                return False
+            self.steps += 1
+            capacity[:] = answer.brake_torque_nm
+            drive[:] = answer.drive_torque_nm
+            condition = begin_step(q, v, step_s, record)
+            if condition != 0:
+                if condition == 2:
+                    self._lost = f"state not finite at t = {now:.3f} s"
+                    return False
+                convergence = solver.conv
+                convergence.jacobianUpdateRequested = True
+                solver.conv = convergence
+            return True
+
+        set_parameter = mbs.SetObjectParameter
+        set_parameter(system, "jacobianUserFunction", newton_jacobian)
+        mbs.Assemble()
+        q = mbs.systemData.GetODE2Coordinates(copy=False)
+        v = mbs.systemData.GetODE2Coordinates_t(copy=False)
+        capacity, drive = self._coach["capacity"], self._coach["drive"]
+        state = CoachState(q, v, record, track, adhesion)
+        self._state = state
+        coach_force(q, v, force, record, track, adhesion)
+        set_parameter(system, "forceVector", force)
+        mbs.SetPreNewtonResidualUserFunction(newton_residual)
+        mbs.SetPreStepUserFunction(pre_step)
+
+    def raise_what_happened(self, reached: bool) -> None:
+        """Raise what a callback raised, or SolverFailure when the integration broke off by itself."""
+        if self._raised is not None:
+            raise self._raised
+        if self._lost is None and not reached:
+            self._lost = f"the solver gave up after t = {self.t_s:.3f} s"
+        if self._lost is not None:
+            raise SolverFailure(
+                f"{self._lost}, at s = {self._state.position_m:.1f} m, with a step of {1000 * self._step_s:g} ms: "
+                "a smaller simulation.step_s, or a track and coach without such kinks, may help"
+            )
+
+
+def load_exudyn() -> ModuleType:
+    """Import Exudyn's build without range checks (a quarter faster; SolveReport tells which build ran)."""
+    sys.exudynFast = True  # type: ignore[attr-defined]
+    with contextlib.redirect_stdout(io.StringIO()):
+        import exudyn
+    exudyn.config.printToConsole = False
+    return exudyn
+
+
+def _rotation_vector(rotation: np.ndarray) -> np.ndarray:
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_matrix(rotation).as_rotvec()
+
+
+def _settings(exu: ModuleType, step_s: float, longest_s: float) -> Any:
+    settings = exu.SimulationSettings()
+    integration = settings.timeIntegration
+    integration.numberOfSteps = max(1, round(longest_s / step_s))
+    integration.endTime = integration.numberOfSteps * step_s
+    integration.generalizedAlpha.spectralRadius = SPECTRAL_RADIUS
+    integration.adaptiveStep = False
+    integration.verboseMode = 0
+    integration.stepInformation = 0
+    integration.newton.active = False
+    integration.newton.useModifiedNewton = True
+    settings.linearSolver.solverType = exu.LinearSolverType.EXUdense
+    settings.parallel.numberOfThreads = 1
+    settings.solution.file.write = False
+    settings.solution.sensors.active = False
+    return settings

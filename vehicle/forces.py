@@ -1,0 +1,298 @@
+"""All forces on the coach in one compiled routine, by class, and the Jacobian that the implicit solver needs.
+
+Classes (rows of `force`): gravity, suspension, normal contact (with flange), creep, brake, drive, resistance,
+gyroscopic coupling of the spinning wheelsets. Their sum is the right-hand side of M q'' = f; each class times the
+velocities is its power, so that energy is audited class by class.
+"""
+
+import math
+
+import numpy as np
+
+from vehicle.layout import GRAVITY_MPS2
+from vehicle.suspension import add_suspension, add_suspension_jacobian, body_frames
+from wheel_rail.compiled import Array, Record, compiled
+from wheel_rail.contact import (
+    NORMAL,
+    PENETRATION,
+    REPORT,
+    SECANT,
+    SLIDE,
+    TANGENT,
+    flange_force,
+    rail_law,
+    wheel_contact,
+)
+from wheel_rail.track import track_frame
+
+GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, GYROSCOPIC = range(8)
+_STEP_PROBE = 1e-6
+_STALE_SHARE = 0.0001
+
+
+@compiled
+def locate(q: Array, coach: Record, track: Array) -> None:
+    """Bring each wheelset's and the carbody's place along the track up to date, and the track frames there."""
+    for i in range(5):
+        at = 18 + 6 * i if i < 4 else 0
+        frame = coach.frame[i]
+        for _ in range(20):
+            track_frame(coach.s[i], coach.track_origin_m, track, frame)
+            dx, dy, dz = q[at] - frame[0], q[at + 1] - frame[1], q[at + 2] - frame[2]
+            ahead = dx * frame[3] + dy * frame[4] + dz * frame[5]
+            left = dx * frame[6] + dy * frame[7] + dz * frame[8]
+            coach.s[i] += ahead / (1.0 - frame[13] * left)
+            # within a millimetre the frame is as good as the one at the new place
+            if abs(ahead) < 1e-3:
+                break
+
+
+@compiled
+def wheelset_contact(
+    i: int, position: Array, rotation: Array, velocity: Array, local_rate: Array, spin_radps: float, coach: Record,
+    normal: Array, creep: Array, report: Array,
+) -> None:  # fmt: skip
+    """Generalised contact forces of wheelset i: `normal` and `creep` (7,): world force, body-axes moment, axle torque."""
+    axle = (rotation[0, 1], rotation[1, 1], rotation[2, 1])
+    x, z = local_rate[0], local_rate[2]
+    carrier = (
+        rotation[0, 0] * x + rotation[0, 2] * z,
+        rotation[1, 0] * x + rotation[1, 2] * z,
+        rotation[2, 0] * x + rotation[2, 2] * z,
+    )
+    for k in range(7):
+        normal[k] = 0.0
+        creep[k] = 0.0
+    frame = coach.frame[i]
+    contact = coach.contact
+    wheel_contact(
+        1, position, axle, velocity, carrier, spin_radps, frame, contact, coach.law[0, i], normal, creep, report[0]
+    )
+    wheel_contact(
+        -1, position, axle, velocity, carrier, spin_radps, frame, contact, coach.law[1, i], normal, creep, report[1]
+    )
+    flange_force(position, frame, contact, normal)
+    for force in (normal, creep):
+        a, b, c = force[3], force[4], force[5]
+        for j in range(3):
+            force[3 + j] = rotation[0, j] * a + rotation[1, j] * b + rotation[2, j] * c
+
+
+@compiled
+def _brake_torque(i: int, angle: float, spin_radps: float, coach: Record) -> tuple[float, float]:
+    """Friction torque on wheelset i: an elastic caliper that slides at its capacity; and whether it sticks."""
+    torque = -(
+        coach.caliper_stiffness * (coach.wind_up[i] + angle - coach.angle[i]) + coach.caliper_damping * spin_radps
+    )
+    limit = coach.capacity[i]
+    if torque > limit:
+        return limit, 0.0
+    if torque < -limit:
+        return -limit, 0.0
+    return torque, 1.0
+
+
+@compiled
+def forces_by_class(q: Array, v: Array, coach: Record, track: Array, adhesion: Array) -> None:
+    """Fill `coach.force` (8, 46); needs nothing but the state and the step memory of the brake."""
+    force = coach.force
+    force[:, :] = 0.0
+    body_frames(q, v, coach)
+    locate(q, coach, track)
+    for i in range(7):
+        force[GRAVITY, 6 * i + 2] = -coach.mass[i] * GRAVITY_MPS2
+    add_suspension(q, v, coach, force[SUSPENSION])
+    # running resistance at the carbody's centre, against its motion along the track
+    frame = coach.frame[4]
+    speed = v[0] * frame[3] + v[1] * frame[4] + v[2] * frame[5]
+    size = abs(speed)
+    drag = coach.resistance[0] * math.tanh(size / 0.1) + size * (coach.resistance[1] + size * coach.resistance[2])
+    drag = math.copysign(drag, speed)
+    for j in range(3):
+        force[RESISTANCE, j] = -drag * frame[3 + j]
+    for i in range(4):
+        at, spin_at, bogie = 18 + 6 * i, 42 + i, 6 * coach.bogie_of[i]
+        rotation = coach.rotation[3 + i]
+        spin = v[spin_at]
+        for side in range(2):
+            rail_law(coach.s[i], side, coach.cell_m, adhesion, coach.law[side, i])
+        normal, creep = coach.probe_wheelset[0], coach.probe_wheelset[1]
+        wheelset_contact(
+            i, q[at : at + 3], rotation, v[at : at + 3], v[at + 3 : at + 6], spin, coach, normal, creep, coach.report[i]
+        )
+        for k in range(6):
+            force[CONTACT_NORMAL, at + k] = normal[k]
+            force[CREEP, at + k] = creep[k]
+        force[CREEP, spin_at] = creep[6]
+        # torques on the spinning wheelset react on the bogie that carries caliper and gearbox
+        torque, coach.stuck[i] = _brake_torque(i, q[spin_at], spin, coach)
+        coach.brake_torque[i] = torque
+        force[BRAKE, spin_at] = torque
+        force[DRIVE, spin_at] = coach.drive[i]
+        frame_rotation = coach.rotation[coach.bogie_of[i]]
+        for j in range(3):
+            along = (
+                frame_rotation[0, j] * rotation[0, 1]
+                + frame_rotation[1, j] * rotation[1, 1]
+                + frame_rotation[2, j] * rotation[2, 1]
+            )
+            force[BRAKE, bogie + 3 + j] -= torque * along
+            force[DRIVE, bogie + 3 + j] -= coach.drive[i] * along
+        momentum = coach.spin_inertia * spin
+        force[GYROSCOPIC, at + 3] = momentum * v[at + 5]
+        force[GYROSCOPIC, at + 5] = -momentum * v[at + 3]
+
+
+@compiled
+def coach_force(q: Array, v: Array, f: Array, record: Record, track: Array, adhesion: Array) -> None:
+    """Total generalised force f (46,) at state q, v (46,)."""
+    coach = record[0]
+    forces_by_class(q, v, coach, track, adhesion)
+    for j in range(46):
+        total = 0.0
+        for k in range(8):
+            total += coach.force[k, j]
+        f[j] = total
+
+
+@compiled
+def coach_jacobian(
+    q: Array, v: Array, factor_q: float, factor_v: float, record: Record, track: Array, adhesion: Array, jacobian: Array
+) -> None:
+    """-(df/dq factor_q + df/dv factor_v), dense (46, 46); rotations are perturbed by body-axes increments.
+
+    Suspension analytically, contacts by forward differences along the combined direction, one coordinate at a time.
+    """
+    coach = record[0]
+    jacobian[:, :] = 0.0
+    body_frames(q, v, coach)
+    locate(q, coach, track)
+    add_suspension_jacobian(q, v, coach, factor_q, factor_v, jacobian)
+    normal, creep = coach.probe_wheelset[0], coach.probe_wheelset[1]
+    rest = coach.probe_wheelset[2]
+    turned = np.empty((3, 3))
+    position = np.empty(3)
+    velocity = np.empty(3)
+    rate = np.empty(3)
+    report = np.empty((2, REPORT))
+    epsilon = _STEP_PROBE / max(factor_v, 1.0)
+    for i in range(4):
+        at, spin_at = 18 + 6 * i, 42 + i
+        rotation = coach.rotation[3 + i]
+        for side in range(2):
+            rail_law(coach.s[i], side, coach.cell_m, adhesion, coach.law[side, i])
+        position[:] = q[at : at + 3]
+        velocity[:] = v[at : at + 3]
+        rate[:] = v[at + 3 : at + 6]
+        wheelset_contact(i, position, rotation, velocity, rate, v[spin_at], coach, normal, creep, report)
+        for side in range(2):
+            coach.old_tangent[i, side] = report[side, TANGENT]
+            coach.old_secant[i, side] = report[side, SECANT]
+            coach.old_touch[i, side] = 1.0 if report[side, NORMAL] > 0.0 else 0.0
+        for k in range(7):
+            rest[k] = normal[k] + creep[k]
+        step_q, step_v = epsilon * factor_q, epsilon * factor_v
+        for j in range(7):
+            column = at + j if j < 6 else spin_at
+            if j < 3:
+                position[j] += step_q
+                velocity[j] += step_v
+                wheelset_contact(i, position, rotation, velocity, rate, v[spin_at], coach, normal, creep, report)
+                position[j] = q[at + j]
+                velocity[j] = v[at + j]
+            elif j < 6:
+                axis = j - 3
+                # R (I + [dtheta]x) to first order
+                one, two = (axis + 1) % 3, (axis + 2) % 3
+                for m in range(3):
+                    turned[m, axis] = rotation[m, axis]
+                    turned[m, one] = rotation[m, one] + step_q * rotation[m, two]
+                    turned[m, two] = rotation[m, two] - step_q * rotation[m, one]
+                rate[axis] += step_v
+                wheelset_contact(i, position, turned, velocity, rate, v[spin_at], coach, normal, creep, report)
+                rate[axis] = v[at + j]
+            else:
+                wheelset_contact(
+                    i, position, rotation, velocity, rate, v[spin_at] + step_v, coach, normal, creep, report
+                )
+            for k in range(6):
+                jacobian[at + k, column] -= (normal[k] + creep[k] - rest[k]) / epsilon
+            jacobian[spin_at, column] -= (creep[6] - rest[6]) / epsilon
+        _, stuck = _brake_torque(i, q[spin_at], v[spin_at], coach)
+        coach.old_stuck[i] = stuck
+        if stuck > 0.0:
+            stiffness = factor_q * coach.caliper_stiffness + factor_v * coach.caliper_damping
+            jacobian[spin_at, spin_at] += stiffness
+            frame_rotation = coach.rotation[coach.bogie_of[i]]
+            for j in range(3):
+                along = 0.0
+                for m in range(3):
+                    along += frame_rotation[m, j] * rotation[m, 1]
+                jacobian[6 * coach.bogie_of[i] + 3 + j, spin_at] -= stiffness * along
+        momentum = coach.spin_inertia * v[spin_at]
+        jacobian[at + 3, at + 5] -= factor_v * momentum
+        jacobian[at + 5, at + 3] += factor_v * momentum
+        jacobian[at + 3, spin_at] -= factor_v * coach.spin_inertia * v[at + 5]
+        jacobian[at + 5, spin_at] += factor_v * coach.spin_inertia * v[at + 3]
+    coach.old_heading = math.atan2(coach.rotation[0, 1, 0], coach.rotation[0, 0, 0])
+    frame = coach.frame[4]
+    speed = abs(v[0] * frame[3] + v[1] * frame[4] + v[2] * frame[5])
+    fall = 1.0 - math.tanh(speed / 0.1) ** 2
+    slope = factor_v * (coach.resistance[0] * fall / 0.1 + coach.resistance[1] + 2.0 * speed * coach.resistance[2])
+    for i in range(3):
+        for j in range(3):
+            jacobian[i, j] += slope * frame[3 + i] * frame[3 + j]
+
+
+@compiled
+def begin_step(q: Array, v: Array, step_s: float, record: Record) -> int:
+    """Commit the step that has ended, look ahead along the track, and return 1 if the Jacobian has aged, else 0.
+
+    Returns 2 when the state is no longer finite.
+
+    The wind-up of a stuck caliper follows the wheel up to what its capacity holds. The Jacobian is old when
+    the error of a creep slope, times what the slip has moved in the step, makes a false force of 0.01 % of the wheel
+    load (this decides the accuracy at the edge of sliding); when a slope times step over effective mass has changed by
+    over one half; when a wheel has lifted or landed, a brake has caught or let go, or the coach has turned by 2 mrad.
+    """
+    coach = record[0]
+    for j in range(46):
+        if not math.isfinite(v[j]):
+            return 2
+    aged = False
+    radius = coach.contact.radius_m
+    gain = step_s * radius * radius / coach.spin_inertia
+    for i in range(4):
+        at = 18 + 6 * i
+        limit = coach.capacity[i] / coach.caliper_stiffness
+        wind_up = coach.wind_up[i] + q[42 + i] - coach.angle[i]
+        coach.wind_up[i] = min(max(wind_up, -limit), limit)
+        coach.angle[i] = q[42 + i]
+        frame = coach.frame[i]
+        coach.s[i] += step_s * (v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5])
+        if coach.stuck[i] != coach.old_stuck[i]:
+            aged = True
+        for side in range(2):
+            report = coach.report[i, side]
+            error = abs(report[TANGENT] - coach.old_tangent[i, side])
+            if error * abs(report[SLIDE] - coach.old_slide[i, side]) > _STALE_SHARE * report[NORMAL]:
+                aged = True
+            coach.old_slide[i, side] = report[SLIDE]
+            if error > 0.5 * (1.0 / gain + abs(coach.old_tangent[i, side])):
+                aged = True
+            if abs(report[SECANT] - coach.old_secant[i, side]) > 0.5 * (1.0 / gain + coach.old_secant[i, side]):
+                aged = True
+            touch = 1.0 if report[PENETRATION] > 0.0 else 0.0
+            if touch != coach.old_touch[i, side]:
+                aged = True
+    frame = coach.frame[4]
+    coach.s[4] += step_s * (v[0] * frame[3] + v[1] * frame[4] + v[2] * frame[5])
+    heading = math.atan2(coach.rotation[0, 1, 0], coach.rotation[0, 0, 0])
+    turn = heading - coach.old_heading
+    if turn > math.pi:
+        turn -= 2.0 * math.pi
+    elif turn < -math.pi:
+        turn += 2.0 * math.pi
+    if abs(turn) > 0.002:
+        aged = True
+    return 1 if aged else 0

@@ -1,0 +1,84 @@
+"""Linearised coach and its undamped modes, on straight level track."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh
+
+from vehicle.forces import coach_force
+from vehicle.layout import BODIES, COORDINATES, SPIN, centres, coach_record
+from vehicle.parameters import CoachParameters
+from wheel_rail import Adhesion, AdhesionParameters, ConicalContact, Track, TrackParameters
+
+_STEP_M = 1e-6
+_STRAIGHT_M = 200.0
+
+
+@dataclass(frozen=True)
+class Mode:
+    """An undamped mode: frequency, and the shape over the 42 coordinates of the bodies, of unit modal mass."""
+
+    frequency_hz: float
+    shape: np.ndarray
+
+
+def stiffness_matrix(parameters: CoachParameters, speed_mps: float) -> tuple[np.ndarray, np.ndarray]:
+    """Mass and stiffness matrices (46, 46) about steady running: K = -df/dq by central differences.
+
+    Rotations are about the bodies' axes; gravity, preloads and contact stiffness are in, forces by speed are not.
+    """
+    contact = ConicalContact(
+        parameters.contact, 0.5 * parameters.wheelset.wheel_diameter_m, parameters.static_wheel_load_n
+    )
+    track = Track(TrackParameters(length_m=_STRAIGHT_M))
+    dry = AdhesionParameters.model_validate({"stretches": [{"from_m": 0.0, "surface": "dry", "peak_adhesion": 0.3}]})
+    adhesion = Adhesion(dry, _STRAIGHT_M, contact, np.random.default_rng(0))
+    record = coach_record(parameters, contact)
+    coach = record[0]
+    coach["cell_m"], coach["track_origin_m"] = adhesion.cell_m, track.origin_m
+    q, v = np.zeros(COORDINATES), np.zeros(COORDINATES)
+    for i, centre in enumerate(centres(parameters)):
+        q[6 * i : 6 * i + 3] = centre + (0.5 * _STRAIGHT_M, 0.0, 0.0)
+        v[6 * i] = speed_mps
+    v[SPIN:] = speed_mps / contact.radius_m
+    coach["s"] = (*q[18:SPIN:6], q[0])
+
+    def force(at: np.ndarray) -> np.ndarray:
+        f = np.empty(COORDINATES)
+        coach_force(at, v, f, record, track.table, adhesion.table)
+        return f
+
+    stiffness = np.empty((COORDINATES, COORDINATES))
+    for j in range(COORDINATES):
+        step = np.zeros(COORDINATES)
+        step[j] = _STEP_M
+        stiffness[:, j] = -(force(q + step) - force(q - step)) / (2.0 * _STEP_M)
+    masses = [m for i in range(BODIES) for m in ([coach["mass"][i]] * 3 + list(coach["inertia"][i]))] + [
+        coach["spin_inertia"]
+    ] * 4
+    return np.diag(masses), stiffness
+
+
+def undamped_modes(parameters: CoachParameters, speed_mps: float = 20.0) -> list[Mode]:
+    """Modes of the seven bodies by rising frequency, rigid motions left out (below 0.05 Hz).
+
+    The part of the stiffness that is not symmetric (creep forces) does not belong to modes and is left out.
+    """
+    mass, stiffness = stiffness_matrix(parameters, speed_mps)
+    squared, shapes = eigh(0.5 * (stiffness + stiffness.T)[:SPIN, :SPIN], mass[:SPIN, :SPIN])
+    return [
+        Mode(float(np.sqrt(w2) / (2.0 * np.pi)), shape)
+        for w2, shape in zip(squared, shapes.T, strict=True)
+        if w2 > (2.0 * np.pi * 0.05) ** 2
+    ]
+
+
+def bounce_frequencies_hz(parameters: CoachParameters) -> tuple[float, float]:
+    """Frequencies of carbody bounce and of bogie bounce (both bogies in phase).
+
+    The mode in which the carbody's, or the sum of the bogies', vertical motion carries most of the modal mass.
+    """
+    modes = undamped_modes(parameters)
+    body = max(modes, key=lambda mode: abs(mode.shape[2]))
+    bogies = max(modes, key=lambda mode: abs(mode.shape[8] + mode.shape[14]))
+    return body.frequency_hz, bogies.frequency_hz

@@ -1,0 +1,137 @@
+"""What can be seen of the coach at one instant: motion, wheel-rail forces, powers and momentum, in one record.
+
+Forces are worked out anew at the state that is recorded: those of the solver's own evaluation belong to its predictor.
+"""
+
+import math
+
+import numpy as np
+
+from vehicle.forces import BRAKE, CONTACT_NORMAL, CREEP, DRIVE, GRAVITY, RESISTANCE, SUSPENSION, forces_by_class
+from vehicle.layout import GRAVITY_MPS2
+from wheel_rail.compiled import Array, Record, compiled
+from wheel_rail.contact import LATERAL, LONGITUDINAL, NORMAL, SLIDE_POWER
+
+# order of the force classes in `power_w`
+POWERS = ("gravity", "suspension", "contact_normal", "creep", "brake", "drive", "resistance")
+
+OBSERVATION = np.dtype(
+    [
+        ("t_s", "f8"),
+        ("position_m", "f8"),  # of the carbody's centre along the track
+        ("speed_mps", "f8"),
+        ("acceleration_mps2", "f8"),  # along the track
+        ("roll_rad", "f8"),
+        ("pitch_rad", "f8"),
+        ("yaw_rad", "f8"),
+        ("specific_force_mps2", "f8", (3,)),  # carbody axes, at its centre of mass
+        ("angular_rate_radps", "f8", (3,)),
+        ("angular_acceleration_radps2", "f8", (3,)),
+        ("kinetic_energy_j", "f8"),
+        ("power_w", "f8", (7,)),
+        ("momentum_ns", "f8", (3,)),  # world axes
+        ("external_force_n", "f8", (3,)),
+        ("wheelset_position_m", "f8", (4,)),
+        ("wheelset_speed_mps", "f8", (4,)),
+        ("rim_speed_mps", "f8", (4,)),
+        ("wheel_angle_rad", "f8", (4,)),
+        ("lateral_displacement_m", "f8", (4,)),
+        ("brake_torque_nm", "f8", (4,)),
+        ("friction_power_w", "f8", (4,)),
+        ("normal_force_n", "f8", (8,)),  # 1L 1R 2L 2R ...
+        ("longitudinal_force_n", "f8", (8,)),
+        ("lateral_force_n", "f8", (8,)),
+        ("rail_law", "f8", (2, 4, 5)),
+    ]
+)
+
+
+@compiled
+def observe(
+    t_s: float, q: Array, v: Array, record: Record, track: Array, adhesion: Array, rows: Record, row: int
+) -> None:
+    """Write the observation at time t and state q, v into `rows[row]` (dtype OBSERVATION)."""
+    coach = record[0]
+    forces_by_class(q, v, coach, track, adhesion)
+    out = rows[row]
+    force = coach.force
+    out.t_s = t_s
+    out.position_m = coach.s[4]
+    frame = coach.frame[4]
+    speed = v[0] * frame[3] + v[1] * frame[4] + v[2] * frame[5]
+    out.speed_mps = speed
+    r = coach.rotation[0]
+    out.roll_rad = math.atan2(r[2, 1], r[2, 2])
+    out.pitch_rad = -math.asin(min(max(r[2, 0], -1.0), 1.0))
+    out.yaw_rad = math.atan2(r[1, 0], r[0, 0])
+
+    accelerations = np.empty(3)
+    for j in range(3):
+        total = 0.0
+        for k in range(8):
+            total += force[k, j]
+        accelerations[j] = total / coach.mass[0]
+    along = accelerations[0] * frame[3] + accelerations[1] * frame[4] + accelerations[2] * frame[5]
+    out.acceleration_mps2 = along
+    accelerations[2] += GRAVITY_MPS2
+    a, b, c = v[3], v[4], v[5]
+    inertia = coach.inertia[0]
+    gyroscopic = (
+        (inertia[1] - inertia[2]) * b * c,
+        (inertia[2] - inertia[0]) * c * a,
+        (inertia[0] - inertia[1]) * a * b,
+    )
+    for j in range(3):
+        out.specific_force_mps2[j] = (
+            r[0, j] * accelerations[0] + r[1, j] * accelerations[1] + r[2, j] * accelerations[2]
+        )
+        out.angular_rate_radps[j] = v[3 + j]
+        moment = gyroscopic[j]
+        for k in range(8):
+            moment += force[k, 3 + j]
+        out.angular_acceleration_radps2[j] = moment / inertia[j]
+
+    energy = 0.0
+    for j in range(3):
+        out.momentum_ns[j] = 0.0
+        out.external_force_n[j] = 0.0
+    for i in range(7):
+        for j in range(3):
+            out.momentum_ns[j] += coach.mass[i] * v[6 * i + j]
+            out.external_force_n[j] += (
+                force[GRAVITY, 6 * i + j]
+                + force[CONTACT_NORMAL, 6 * i + j]
+                + force[CREEP, 6 * i + j]
+                + force[RESISTANCE, 6 * i + j]
+            )
+            energy += 0.5 * (coach.mass[i] * v[6 * i + j] ** 2 + coach.inertia[i, j] * v[6 * i + 3 + j] ** 2)
+    for i in range(4):
+        energy += 0.5 * coach.spin_inertia * v[42 + i] ** 2
+    out.kinetic_energy_j = energy
+    classes = (GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE)
+    for k in range(7):
+        power = 0.0
+        for j in range(46):
+            power += force[classes[k], j] * v[j]
+        out.power_w[k] = power
+
+    for i in range(4):
+        at = 18 + 6 * i
+        frame = coach.frame[i]
+        out.wheelset_position_m[i] = coach.s[i]
+        out.wheelset_speed_mps[i] = v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5]
+        out.rim_speed_mps[i] = v[42 + i] * coach.contact.radius_m
+        out.wheel_angle_rad[i] = q[42 + i]
+        out.lateral_displacement_m[i] = (
+            (q[at] - frame[0]) * frame[6] + (q[at + 1] - frame[1]) * frame[7] + (q[at + 2] - frame[2]) * frame[8]
+        )
+        out.brake_torque_nm[i] = coach.brake_torque[i]
+        out.friction_power_w[i] = 0.0
+        for side in range(2):
+            report = coach.report[i, side]
+            out.normal_force_n[2 * i + side] = report[NORMAL]
+            out.longitudinal_force_n[2 * i + side] = report[LONGITUDINAL]
+            out.lateral_force_n[2 * i + side] = report[LATERAL]
+            out.friction_power_w[i] += report[SLIDE_POWER]
+            for k in range(5):
+                out.rail_law[side, i, k] = coach.law[side, i, k]

@@ -1,0 +1,207 @@
+"""Forces of springs, dampers, bump stops, links and anti-roll bars, and their Jacobian, compiled.
+
+Every element joins an upper and a lower body at two points that coincide at rest. Deflection and its speed are taken
+in the upper body's axes: d = R_u^T (p_l - p_u); the force acts on both bodies at the lower point, which conserves
+momentum, angular momentum and energy.
+"""
+
+import math
+
+from vehicle.layout import ELEMENTS
+from wheel_rail.compiled import Array, Record, compiled
+
+
+@compiled
+def body_frames(q: Array, v: Array, coach: Record) -> None:
+    """Rotation matrices (exponential map of the rotation vectors) and world angular velocities of the seven bodies."""
+    for i in range(7):
+        a, b, c = q[6 * i + 3], q[6 * i + 4], q[6 * i + 5]
+        angle2 = a * a + b * b + c * c
+        if angle2 < 1e-8:
+            s, t = 1.0 - angle2 / 6.0, 0.5 - angle2 / 24.0
+        else:
+            angle = math.sqrt(angle2)
+            s, t = math.sin(angle) / angle, (1.0 - math.cos(angle)) / angle2
+        r = coach.rotation[i]
+        r[0, 0] = 1.0 - t * (b * b + c * c)
+        r[0, 1] = t * a * b - s * c
+        r[0, 2] = t * a * c + s * b
+        r[1, 0] = t * a * b + s * c
+        r[1, 1] = 1.0 - t * (a * a + c * c)
+        r[1, 2] = t * b * c - s * a
+        r[2, 0] = t * a * c - s * b
+        r[2, 1] = t * b * c + s * a
+        r[2, 2] = 1.0 - t * (a * a + b * b)
+        x, y, z = v[6 * i + 3], v[6 * i + 4], v[6 * i + 5]
+        for j in range(3):
+            coach.rate[i, j] = r[j, 0] * x + r[j, 1] * y + r[j, 2] * z
+
+
+@compiled
+def _on_curve(x: float, curve: int, coach: Record) -> tuple[float, float]:
+    """Force and slope of an odd-symmetric characteristic."""
+    n = coach.curve_points[curve]
+    size = abs(x)
+    k = 1
+    while k < n - 1 and size > coach.curve_x[curve, k]:
+        k += 1
+    slope = coach.curve_slope[curve, k]
+    force = coach.curve_force[curve, k - 1] + slope * (size - coach.curve_x[curve, k - 1])
+    return math.copysign(force, x), slope
+
+
+@compiled
+def _axis_force(deflection: float, speed: float, element: int, axis: int, coach: Record) -> tuple[float, float, float]:
+    """Force along one axis of an element, and its slopes over deflection and speed."""
+    k = coach.stiffness[element, axis]
+    c = coach.damping[element, axis]
+    force = k * deflection + c * speed
+    if coach.damper[element, axis] >= 0:
+        extra, slope = _on_curve(speed, coach.damper[element, axis], coach)
+        force += extra
+        c += slope
+    if coach.stop[element, axis] >= 0:
+        extra, slope = _on_curve(deflection, coach.stop[element, axis], coach)
+        force += extra
+        k += slope
+    return force, k, c
+
+
+@compiled
+def _relative(q: Array, v: Array, coach: Record, e: int, out: Array) -> None:
+    """Deflection (3), its speed (3), lever arms of the lower point on upper (3) and lower (3) body: `out` (12,)."""
+    u, w = coach.upper[e], coach.lower[e]
+    ru, rw = coach.rotation[u], coach.rotation[w]
+    for j in range(3):
+        arm = 0.0
+        rest = 0.0
+        for k in range(3):
+            arm += rw[j, k] * coach.lower_point[e, k]
+            rest += ru[j, k] * coach.upper_point[e, k]
+        out[9 + j] = arm
+        out[6 + j] = q[6 * w + j] + arm - q[6 * u + j]
+        out[j] = out[6 + j] - rest  # world deflection, turned below
+    wu, wl = coach.rate[u], coach.rate[w]
+    sx = v[6 * w] - v[6 * u] + wl[1] * out[11] - wl[2] * out[10] - (wu[1] * out[8] - wu[2] * out[7])
+    sy = v[6 * w + 1] - v[6 * u + 1] + wl[2] * out[9] - wl[0] * out[11] - (wu[2] * out[6] - wu[0] * out[8])
+    sz = v[6 * w + 2] - v[6 * u + 2] + wl[0] * out[10] - wl[1] * out[9] - (wu[0] * out[7] - wu[1] * out[6])
+    dx, dy, dz = out[0], out[1], out[2]
+    for j in range(3):
+        out[j] = ru[0, j] * dx + ru[1, j] * dy + ru[2, j] * dz
+        out[3 + j] = ru[0, j] * sx + ru[1, j] * sy + ru[2, j] * sz
+
+
+@compiled
+def add_suspension(q: Array, v: Array, coach: Record, f: Array) -> None:
+    """Add all element forces to the generalised force `f` (46,); needs `body_frames`."""
+    rel = coach.probe_element
+    moment = coach.moment  # world moments by body, turned into body axes at the end
+    moment[:, :] = 0.0
+    for e in range(ELEMENTS):
+        u, w = coach.upper[e], coach.lower[e]
+        ru = coach.rotation[u]
+        if coach.pushes[e]:
+            _relative(q, v, coach, e, rel)
+            fx, _, _ = _axis_force(rel[0], rel[3], e, 0, coach)
+            fy, _, _ = _axis_force(rel[1], rel[4], e, 1, coach)
+            fz, _, _ = _axis_force(rel[2], rel[5], e, 2, coach)
+            fz += coach.preload[e]
+            gx = ru[0, 0] * fx + ru[0, 1] * fy + ru[0, 2] * fz
+            gy = ru[1, 0] * fx + ru[1, 1] * fy + ru[1, 2] * fz
+            gz = ru[2, 0] * fx + ru[2, 1] * fy + ru[2, 2] * fz
+            f[6 * u] += gx
+            f[6 * u + 1] += gy
+            f[6 * u + 2] += gz
+            f[6 * w] -= gx
+            f[6 * w + 1] -= gy
+            f[6 * w + 2] -= gz
+            moment[u, 0] += rel[7] * gz - rel[8] * gy
+            moment[u, 1] += rel[8] * gx - rel[6] * gz
+            moment[u, 2] += rel[6] * gy - rel[7] * gx
+            moment[w, 0] -= rel[10] * gz - rel[11] * gy
+            moment[w, 1] -= rel[11] * gx - rel[9] * gz
+            moment[w, 2] -= rel[9] * gy - rel[10] * gx
+        if coach.turns[e]:
+            rw = coach.rotation[w]
+            # small relative rotation of the lower body in the upper body's axes, and its rate
+            for axis in range(3):
+                k, c = coach.rotational_stiffness[e, axis], coach.rotational_damping[e, axis]
+                if k == 0.0 and c == 0.0:
+                    continue
+                i, j = (axis + 1) % 3, (axis + 2) % 3
+                angle = 0.0
+                rate = 0.0
+                for m in range(3):
+                    angle += 0.5 * (ru[m, j] * rw[m, i] - ru[m, i] * rw[m, j])
+                    rate += ru[m, axis] * (coach.rate[w, m] - coach.rate[u, m])
+                size = k * angle + c * rate
+                for m in range(3):
+                    moment[u, m] += ru[m, axis] * size
+                    moment[w, m] -= ru[m, axis] * size
+    for i in range(7):
+        r = coach.rotation[i]
+        for j in range(3):
+            f[6 * i + 3 + j] += r[0, j] * moment[i, 0] + r[1, j] * moment[i, 1] + r[2, j] * moment[i, 2]
+
+
+@compiled
+def add_suspension_jacobian(
+    q: Array, v: Array, coach: Record, factor_q: float, factor_v: float, jacobian: Array
+) -> None:
+    """Subtract df/dq factor_q + df/dv factor_v of the elements from `jacobian` (46, 46), geometric stiffness left out.
+
+    With G the map of coordinate increments to the deflection in the upper body's axes, each element gives G^T K G.
+    """
+    rel = coach.probe_element
+    g = coach.probe_map
+    for e in range(ELEMENTS):
+        u, w = coach.upper[e], coach.lower[e]
+        ru, rw = coach.rotation[u], coach.rotation[w]
+        _relative(q, v, coach, e, rel)
+        for axis in range(3):
+            _, k, c = _axis_force(rel[axis], rel[3 + axis], e, axis, coach)
+            stiffness = factor_q * k + factor_v * c
+            if stiffness != 0.0:
+                # row of G: force direction n = R_u e_axis; rotations are body-axes increments
+                nx, ny, nz = ru[0, axis], ru[1, axis], ru[2, axis]
+                _row(g, nx, ny, nz, rel, ru, rw)
+                _rank_one(jacobian, 6 * u, 6 * w, g, stiffness)
+        if coach.turns[e]:
+            for axis in range(3):
+                stiffness = (
+                    factor_q * coach.rotational_stiffness[e, axis] + factor_v * coach.rotational_damping[e, axis]
+                )
+                if stiffness != 0.0:
+                    for j in range(3):
+                        g[j] = g[6 + j] = 0.0
+                        g[3 + j] = 0.0
+                        g[9 + j] = 0.0
+                        for m in range(3):
+                            g[9 + j] += rw[m, j] * ru[m, axis]
+                    g[3 + axis] = -1.0
+                    _rank_one(jacobian, 6 * u, 6 * w, g, stiffness)
+
+
+@compiled
+def _row(g: Array, nx: float, ny: float, nz: float, rel: Array, ru: Array, rw: Array) -> None:
+    """Deflection along n by unit increments of upper (6) and lower (6) body."""
+    g[0], g[1], g[2] = -nx, -ny, -nz
+    g[6], g[7], g[8] = nx, ny, nz
+    # dp = R (dtheta x rho): n.dp = dtheta . R^T (arm x n)
+    ax, ay, az = rel[7] * nz - rel[8] * ny, rel[8] * nx - rel[6] * nz, rel[6] * ny - rel[7] * nx
+    bx, by, bz = rel[10] * nz - rel[11] * ny, rel[11] * nx - rel[9] * nz, rel[9] * ny - rel[10] * nx
+    for j in range(3):
+        g[3 + j] = -(ru[0, j] * ax + ru[1, j] * ay + ru[2, j] * az)
+        g[9 + j] = rw[0, j] * bx + rw[1, j] * by + rw[2, j] * bz
+
+
+@compiled
+def _rank_one(jacobian: Array, at_upper: int, at_lower: int, g: Array, stiffness: float) -> None:
+    for i in range(12):
+        gi = g[i] * stiffness
+        if gi == 0.0:
+            continue
+        row = at_upper + i if i < 6 else at_lower + i - 6
+        for j in range(6):
+            jacobian[row, at_upper + j] += gi * g[j]
+            jacobian[row, at_lower + j] += gi * g[6 + j]
