@@ -1,0 +1,38 @@
+"""Brake and wheel slide protection (WSP): speeds in, cylinder pressures and friction torques out. Knows no vehicle.
+
+Conventions of the package:
+
+- Axles 1..4 from the front, index 0..3; every array over axles has shape (4,).
+- Pressures: bar gauge in every public name but those of `wsp.pneumatics`, which are bar absolute. Atmosphere 1.013 bar.
+- Air: normal litres (`_nl`, 1.013 bar, 20 degC); conductances C in dm3/(s bar) and critical ratios b as ISO 6358 has
+  them.
+- Torques in Nm, at the wheelset, never negative: a disc's friction can only oppose the rotation. What is given is the
+  capacity; whether a standing wheel uses it is resolved where the wheel is.
+- Speeds in m/s at the rim, positive forward; `direction` of travel +1 or -1. Slip (v - rim)/v, positive when the rim
+  is slower.
+- Demand 0..1 of full service. Valve codes FILL, HOLD, VENT = 0, 1, 2 (`wsp.valves`).
+- Time: `Brake.step` covers one base step from t to t + step_s; a command handed to it acts from t + dead time on, to
+  the sample. A controller works at its own period of 10 ms and adds no delay to its link: the answer to what it read
+  at one tick is applied by the co-simulation from the next tick on.
+- No randomness here.
+
+Brakes come by `BRAKE_PRESETS` (name -> TOML file of `BrakeParameters`), controllers by `CONTROLLERS` (name -> class
+with its `Parameters`). Figures marked M are known at second hand.
+"""
+
+from wsp.brake import Brake
+from wsp.controllers import CONTROLLERS, Controller, ControllerOutput
+from wsp.parameters import BRAKE_PRESETS, BrakeParameters
+from wsp.valves import FILL, HOLD, VENT
+
+__all__ = [
+    "BRAKE_PRESETS",
+    "CONTROLLERS",
+    "FILL",
+    "HOLD",
+    "VENT",
+    "Brake",
+    "BrakeParameters",
+    "Controller",
+    "ControllerOutput",
+]

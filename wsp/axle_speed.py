@@ -1,0 +1,35 @@
+"""What a controller makes of the axle speeds: smooth speed and acceleration, and wheels of different wear compared."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+@njit(cache=True)
+def fading_memory_after(
+    speed_mps: float, acceleration_mps2: float, measured_mps: float, memory: float, period_s: float
+) -> tuple[float, float]:
+    """Speed (m/s) and acceleration (m/s2) after one more measurement, by a straight line through the past.
+
+    The errors' weights fade by memory = exp(-period/time constant) per tick, which makes it the alpha-beta filter with
+    """
+    predicted = speed_mps + acceleration_mps2 * period_s
+    residual = measured_mps - predicted
+    speed = predicted + (1.0 - memory * memory) * residual
+    return speed, acceleration_mps2 + (1.0 - memory) ** 2 / period_s * residual
+
+
+@njit(cache=True)
+def compare_wheels(
+    ratio: NDArray[np.float64], axle_speed_mps: NDArray[np.float64], share: float, largest_difference: float
+) -> None:
+    """Move each wheel's ratio (n,), its indicated speed over the mean of all, towards what is seen now by `share`.
+
+    To be called while all wheels roll freely: then unequal speeds mean unequal diameters, not slip. The ratios stay
+    within 1 +- largest_difference. Axle speeds (n,) in m/s, of a positive mean.
+    """
+    mean = np.mean(axle_speed_mps)
+    for axle in range(ratio.shape[0]):
+        seen = axle_speed_mps[axle] / mean
+        ratio[axle] += share * (seen - ratio[axle])
+        ratio[axle] = min(max(ratio[axle], 1.0 - largest_difference), 1.0 + largest_difference)
