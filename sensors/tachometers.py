@@ -1,0 +1,115 @@
+"""Tachometers on the four wheelsets: pulse edges from the wheels' angles, and speeds from the edges."""
+
+import math
+from typing import Annotated
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from sensors import pulse_edges
+from sensors.readings import AxleSpeedReadings, TachometerReadings
+from sensors.streams import BoolArray, FloatArray
+
+_FIRST_CAPACITY = 1 << 16
+_ROOM_OF_A_TICK = 1 << 13
+
+Radius = Annotated[float, Field(gt=0.2, le=1.0)]
+
+
+class TachometerParameters(BaseModel):
+    """Hall-effect tachometers with a toothed wheel on each axle end, and their front end."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    pulses_per_revolution: int = Field(default=100, ge=4, le=4096)
+    # What the on-board computer believes of the wheels of wheelsets 1..4; the true rolling radius is the vehicle's.
+    wheel_radius_m: tuple[Radius, Radius, Radius, Radius] = (0.46, 0.46, 0.46, 0.46)
+    pitch_error_share: float = Field(
+        default=0.002, ge=0.0, le=0.05, description="standard deviation of a tooth's place, as a share of the pitch"
+    )
+    eccentricity_share: float = Field(
+        default=0.0005, ge=0.0, le=0.05, description="eccentricity of the toothed wheel over its radius"
+    )
+    hysteresis_share: float = Field(
+        default=0.02, ge=0.0, lt=0.5, description="how much later a tooth switches backward, as a share of the pitch"
+    )
+    clock_resolution_s: float = Field(default=1e-6, gt=0.0, le=1e-3)
+    timeout_s: float = Field(default=0.5, gt=0.0, le=10.0, description="silence after which a wheel counts as standing")
+
+
+def _silent_state(parameters: TachometerParameters) -> FloatArray:
+    """Carried state of the compiled core before the first edge, with its constants."""
+    pitch_rad = 2.0 * math.pi / parameters.pulses_per_revolution
+    state = np.zeros((pulse_edges.TEETH + parameters.pulses_per_revolution, 4))
+    state[pulse_edges.TICK_TIME] = math.nan
+    state[pulse_edges.LAST_TIME] = -math.inf
+    state[pulse_edges.REFERENCE_TIME] = -math.inf
+    state[pulse_edges.PITCH] = pitch_rad * np.array(parameters.wheel_radius_m)
+    state[pulse_edges.CONSTANTS, :3] = (
+        parameters.hysteresis_share * pitch_rad,
+        parameters.clock_resolution_s,
+        parameters.timeout_s,
+    )
+    return state
+
+
+class Tachometers:
+    """Four tachometers in the loop: `advance` once per tick, then `axle_speed_mps` (4,) and `valid` (4,).
+
+    Both are the same arrays at every tick, written anew. At the first tick each wheel is taken to have turned evenly
+    before; edges put in for that carry times before the first tick. Tooth and eccentricity errors are drawn from `rng`
+    once, here.
+    """
+
+    def __init__(self, parameters: TachometerParameters, rng: np.random.Generator) -> None:
+        self.parameters = parameters
+        n = parameters.pulses_per_revolution
+        phase = rng.uniform(0.0, 2.0 * math.pi, 4)
+        wave = np.sin(2.0 * math.pi * np.arange(n)[:, None] / n + phase) * n / (2.0 * math.pi)
+        self._state = _silent_state(parameters)
+        self._state[pulse_edges.TEETH :] = (
+            parameters.pitch_error_share * rng.standard_normal((n, 4)) + parameters.eccentricity_share * wave
+        )
+        self._edges = np.empty((_FIRST_CAPACITY, 2))
+        self._count = 0
+        self._now_s = -math.inf
+        self.axle_speed_mps: FloatArray = self._state[pulse_edges.SPEED]
+        self.valid: BoolArray = np.zeros(4, np.bool_)
+        self._all_valid = False
+
+    def advance(self, t_s: float, angle_rad: FloatArray, angular_speed_radps: FloatArray) -> None:
+        """Go on to time t_s with the wheels' angles (4,) and angular speeds (4,), positive rolling forward.
+
+        Raises ValueError for a time that does not rise, or an angle that jumps by thousands of pulses.
+        """
+        if not t_s > self._now_s:
+            raise ValueError(f"Tachometers.advance: t_s = {t_s} is not after the last tick at {self._now_s}")
+        if self._count + _ROOM_OF_A_TICK > len(self._edges):
+            self._edges = np.concatenate([self._edges, np.empty_like(self._edges)])
+        count = pulse_edges.advance(t_s, angle_rad, angular_speed_radps, self._state, self._edges, self._count)
+        if count < 0:
+            raise ValueError(f"Tachometers.advance: more than {_ROOM_OF_A_TICK} edges up to t_s = {t_s}: angles jump")
+        self._count = count
+        self._now_s = t_s
+        if not self._all_valid:
+            np.greater(self._state[pulse_edges.VALID], 0.0, out=self.valid)
+            self._all_valid = bool(self.valid.all())
+
+    def readings(self) -> TachometerReadings:
+        """All edges so far, in the order of time."""
+        edges = self._edges[np.argsort(self._edges[: self._count, 0], kind="stable")]
+        return TachometerReadings(t_s=edges[:, 0], wheelset=np.abs(edges[:, 1]), direction=np.sign(edges[:, 1]))
+
+
+def axle_speeds(
+    readings: TachometerReadings, parameters: TachometerParameters, tick_s: FloatArray
+) -> AxleSpeedReadings:
+    """Speeds from recorded edges at the given ticks: at the ticks of the run, the same numbers as in the loop."""
+    speed, valid = pulse_edges.speeds_of_edges(
+        np.array(tick_s, dtype=float),
+        readings.t_s,
+        readings.wheelset,
+        readings.direction,
+        _silent_state(parameters),
+    )
+    return AxleSpeedReadings(t_s=tick_s, axle_speed_mps=speed, valid=valid)
