@@ -1,10 +1,11 @@
 """The coach as an Exudyn system: seven rigid bodies and four spinning wheelsets, solved in one run with a callback.
 
 Exudyn holds bodies and integrates (generalised-alpha); all forces come from the compiled routine of `vehicle.forces`.
-Each step is one linearised solve (no Newton iteration) with the Jacobian refreshed when it has aged. The spectral radius
-is low on purpose: creep is stiff, and at 0.9 the algorithmic accelerations of the spins ring for dozens of steps, so that
-a stale Jacobian makes false creep forces and chatter at standstill; at 0.1 they are gone after two steps, while body and
-bogie modes, slow against the step, stay undamped.
+Each step is one linearised solve (no Newton iteration) with the Jacobian refreshed when it has aged. The spectral
+radius is low on purpose: creep is stiff, and at 0.9 the algorithmic accelerations of the spins ring for dozens of steps
+and a stale Jacobian makes false creep forces and chatter at standstill; at 0.1 they are gone after two steps, while
+body and bogie modes, slow against the step, stay undamped. A wheel that regains grip below about 2 m/s may shoot over
+for a step of 5 ms.
 
 Order within a step from t_k to t_k+1: the state of t_k is observed and handed to `on_step`; what that returns acts
 throughout the step. So the actuation answers a state with no delay beyond the step itself; any delay of valves or

@@ -52,7 +52,7 @@ def wheelset_contact(
     i: int, position: Array, rotation: Array, velocity: Array, local_rate: Array, spin_radps: float, coach: Record,
     normal: Array, creep: Array, report: Array,
 ) -> None:  # fmt: skip
-    """Generalised contact forces of wheelset i: `normal` and `creep` (7,): world force, body-axes moment, axle torque."""
+    """Contact forces of wheelset i, `normal` and `creep` (7,): world force, body-axes moment, axle torque."""
     axle = (rotation[0, 1], rotation[1, 1], rotation[2, 1])
     x, z = local_rate[0], local_rate[2]
     carrier = (

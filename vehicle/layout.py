@@ -1,7 +1,7 @@
 """From parameters to the record of numbers that the compiled routines work on.
 
-Bodies: 0 carbody, 1 and 2 bogies, 3..6 wheelsets (carriers that do not spin). Coordinates: six per body (world position,
-rotation vector; velocities: world velocity, angular velocity in body axes), then the four spin angles: 46 in all.
+Bodies: 0 carbody, 1 and 2 bogies, 3..6 wheelsets (carriers that do not spin). Coordinates: six per body (world
+position, rotation vector; velocities: world velocity, angular velocity in body axes), then the four spin angles: 46.
 """
 
 import numpy as np

@@ -38,7 +38,8 @@ def stiffness_matrix(parameters: CoachParameters, speed_mps: float) -> tuple[np.
     coach["cell_m"], coach["track_origin_m"] = adhesion.cell_m, track.origin_m
     q, v = np.zeros(COORDINATES), np.zeros(COORDINATES)
     for i, centre in enumerate(centres(parameters)):
-        q[6 * i : 6 * i + 3] = centre + (0.5 * _STRAIGHT_M, 0.0, 0.0)
+        q[6 * i : 6 * i + 3] = centre
+        q[6 * i] += 0.5 * _STRAIGHT_M
         v[6 * i] = speed_mps
     v[SPIN:] = speed_mps / contact.radius_m
     coach["s"] = (*q[18:SPIN:6], q[0])

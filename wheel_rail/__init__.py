@@ -1,7 +1,7 @@
 """Track and rail, wheel-rail contact, creep laws and adhesion.
 
-Conventions: s along the centreline at top of rail; y left, z up; curvature positive to the left; cant positive with the
-right rail raised; gradient positive uphill. Creepage = sliding velocity of the wheel's material over the rail, divided by
+Conventions: s along the centreline at top of rail; y left, z up; curvature positive to the left; cant positive with
+the right rail raised; gradient positive uphill. Creepage = sliding velocity of the wheel's material over the rail, over
 max(|v|, |omega r|); longitudinal creepage is positive for a braked wheel, whose force on the wheel is negative.
 SI units throughout; compiled functions take world vectors of three components.
 """

@@ -33,7 +33,8 @@ class AdhesionStretch(BaseModel):
     def _stays_physical(self) -> Self:
         if not self.spread < self.peak_adhesion or self.peak_adhesion + self.spread > 1.0:
             raise ValueError(
-                f"spread = {self.spread}: peak_adhesion +- spread must stay within 0..1, here {self.peak_adhesion} +- {self.spread}"
+                f"spread = {self.spread}: peak_adhesion +- spread must stay within 0..1, "
+                f"here {self.peak_adhesion} +- {self.spread}"
             )
         return self
 

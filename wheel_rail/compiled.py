@@ -1,7 +1,7 @@
 """The decorator of all compiled functions of track, contact and vehicle.
 
-Compiled code is cached on disk. Division follows IEEE (inf, nan) instead of raising, which keeps branches out of the hot
-loops; floating point is never reordered, so that results do not depend on the state of the cache.
+Compiled code is cached on disk. Division follows IEEE (inf, nan) instead of raising, which keeps branches out of the
+hot loops; floating point is never reordered, so that results do not depend on the state of the cache.
 """
 
 from typing import Any

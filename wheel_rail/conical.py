@@ -54,7 +54,7 @@ class ConicalContact:
 
     @property
     def patch(self) -> np.ndarray:
-        """Contact ellipse and coefficients at the nominal load: (a_m, b_m, C11, C22, C23, Polach's factor of the spin)."""
+        """Contact ellipse and coefficients at the nominal load: (a_m, b_m, C11, C22, C23, Polach's spin factor)."""
         p = self.parameters
         ellipse = elliptic_contact(
             self.load_n, 1.0 / self.radius_m, 1.0 / p.rail_head_radius_m, p.shear_modulus_pa, p.poisson

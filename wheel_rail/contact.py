@@ -152,7 +152,7 @@ def wheel_contact(
 
 @compiled
 def flange_force(position: Array, frame: Array, constants: Record, normal: Array) -> None:
-    """Add the flange's lateral stop to `normal` (7,): an elastic force along the track's lateral axis beyond the play."""
+    """Add the flange's lateral stop to `normal` (7,): an elastic force along the track's lateral axis."""
     offset = (
         (position[0] - frame[0]) * frame[6] + (position[1] - frame[1]) * frame[7] + (position[2] - frame[2]) * frame[8]
     )

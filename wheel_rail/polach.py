@@ -39,10 +39,10 @@ def polach_force(
     creep_x: float, creep_y: float, spin_1pm: float, slip_speed_mps: float, normal_force_n: float, patch: Vector,
     rail: Array, shear_modulus_pa: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
-    """Creep force on the wheel (Fx, Fy) in N, and the tangent dF/ds along the slip and the secant F/s, N per unit creep.
+    """Creep force on the wheel (Fx, Fy) in N; tangent dF/ds along the slip and secant F/s in N per unit creep.
 
-    `patch`: (a_m, b_m, C11, C22, C23, 1 + 6.3 (1 - exp(-a/b))); `rail`: (mu0, A, B, kA, kS). The force opposes the creepages and stays
-    within mu N.
+    `patch`: (a_m, b_m, C11, C22, C23, 1 + 6.3 (1 - exp(-a/b))); `rail`: (mu0, A, B, kA, kS). The force opposes the
+    creepages and stays within mu N.
     """
     a, b, c11, c22, c23 = patch[0], patch[1], patch[2], patch[3], patch[4]
     mu = rail[0] * ((1.0 - rail[1]) * math.exp(-rail[2] * slip_speed_mps) + rail[1])

@@ -1,7 +1,8 @@
 """The line: horizontal alignment with clothoids and cant, vertical alignment with rounded gradient changes.
 
 Frame: s along the centreline (top of rail level, midway between the rails), world x along the track at s = 0, y left,
-z up. Cant turns the track plane about the centreline; positive cant has the right rail raised, as a left-hand curve wants.
+z up. Cant turns the track plane about the centreline; positive cant has the right rail raised, as a left-hand curve
+wants.
 """
 
 import math
@@ -102,9 +103,8 @@ class Track:
     def __init__(self, parameters: TrackParameters) -> None:
         self.length_m = parameters.length_m
         self.origin_m = -self.APRON_M
-        n = int(math.ceil(parameters.length_m + 2 * self.APRON_M)) + 1
+        n = math.ceil(parameters.length_m + 2 * self.APRON_M) + 1
         s = self.origin_m + NODE_M * np.arange(n)
-        # eight sub-intervals of three Gauss points per node interval: position exact to about 1e-10 m a node
         self.table = np.zeros((n, 10))
         curvature, roll = _horizontal(parameters, s)
         self.table[:, CURVATURE] = curvature
@@ -139,7 +139,7 @@ class Track:
         steps = np.stack([np.cos(heading) * cos_slope, np.sin(heading) * cos_slope, gradient * cos_slope])
         moved = 0.5 * h * (steps @ weight)
         path = np.concatenate([np.zeros((3, 1)), np.cumsum(moved, axis=1)], axis=1)[:, ::sub]
-        zero = int(round(-self.origin_m / NODE_M))
+        zero = round(-self.origin_m / NODE_M)
         self.table[:, X : Z + 1] = (path - path[:, zero : zero + 1]).T
         node_heading = heading_starts[::sub]
         node_cos = 1.0 / np.sqrt(1.0 + self.table[:, GRADIENT] ** 2)

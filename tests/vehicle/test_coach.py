@@ -154,7 +154,8 @@ def test_step_convergence_without_controller(make_bench: MakeBench) -> None:
         places = []
         for step_s in (0.005, 0.001):
             rows, _ = bench.run(
-                step_s=step_s, duration_s=60.0, speed_mps=10.0, brake=lambda t: FULL_BRAKE_NM * (0.4 + 0.6 * (int(t) % 2)),
+                step_s=step_s, duration_s=60.0, speed_mps=10.0,
+                brake=lambda t: FULL_BRAKE_NM * (0.4 + 0.6 * (int(t) % 2)),
                 until=lambda state: state.speed_mps < 0.05,
             )  # fmt: skip
             places.append(rows["position_m"][-1] - rows["position_m"][0])

@@ -17,7 +17,8 @@ def at_rest(bench: Bench, speed_mps: float = 20.0) -> tuple[np.ndarray, np.ndarr
     coach["cell_m"], coach["track_origin_m"] = bench.adhesion.cell_m, bench.track.origin_m
     q, v = np.zeros(COORDINATES), np.zeros(COORDINATES)
     for i, centre in enumerate(centres(bench.parameters)):
-        q[6 * i : 6 * i + 3] = centre + (100.0, 0.0, 0.0)
+        q[6 * i : 6 * i + 3] = centre
+        q[6 * i] += 100.0
         v[6 * i] = speed_mps
     v[SPIN:] = speed_mps / 0.46
     coach["s"] = (*q[18:SPIN:6], q[0])

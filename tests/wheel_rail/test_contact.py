@@ -18,7 +18,7 @@ def contact(
     side: int, *, s_m: float = 100.0, lateral_m: float = 0.0, sink_m: float = 7e-4, yaw: float = 0.0, roll: float = 0.0,
     speed: float = 20.0, spin: float = 20.0 / 0.46, law: np.ndarray = DRY,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
-    """Normal and creep force (7,), the wheel's report, and the wheelset's velocity and spin as a generalised velocity."""
+    """Normal and creep force (7,), the wheel's report, and the wheelset's generalised velocity."""
     frame = frame_at(TRACK, s_m)
     t, n, b = frame[3:6], frame[6:9], frame[9:12]
     axle = n - yaw * t + roll * b

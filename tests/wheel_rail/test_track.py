@@ -67,7 +67,7 @@ def test_frame_is_a_right_handed_frame_along_the_line(s_m: float) -> None:
 
 
 def test_sixty_kilometres_lose_no_precision() -> None:
-    """The end of a long line of opposite curves against the sum of its closed pieces: the heading comes back to zero."""
+    """A long line of curves to either side in turn: the heading comes back to zero, and s is arc length."""
     curves = [
         {"start_m": 100.0 + 1000.0 * k, "transition_m": 80.0, "length_m": 300.0, "radius_m": (-1.0) ** k * 900.0}
         for k in range(58)

@@ -1,0 +1,32 @@
+"""What `railslide list` shows: every name that a scenario file may use, with a line on each."""
+
+import inspect
+from typing import Any
+
+from rich.table import Table
+
+from scenarios.layers import read_toml
+from scenarios.names import TABLES
+
+
+def catalogue_table() -> Table:
+    """One row for each scenario, controller, estimator and preset."""
+    table = Table()
+    table.add_column("kind", no_wrap=True)
+    table.add_column("name", no_wrap=True)
+    table.add_column("what it is")
+    for kind, read_table in TABLES.items():
+        for name, entry in read_table().items():
+            table.add_row(kind, name, _line_on(kind, entry))
+        table.add_section()
+    return table
+
+
+def _line_on(kind: str, entry: Any) -> str:
+    """A scenario's title, a preset's first line of comment, the first line of a class's docstring."""
+    if kind == "scenario":
+        return str(read_toml(entry).get("scenario", {}).get("title", ""))
+    if isinstance(entry, type):
+        return (inspect.getdoc(entry) or "").partition("\n")[0]
+    first = entry.read_text(encoding="utf-8").partition("\n")[0]
+    return str(first.removeprefix("#").strip()) if first.startswith("#") else ""

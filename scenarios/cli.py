@@ -1,0 +1,131 @@
+"""The command `railslide`. Everything heavy is imported by the verb that needs it, so that help is there at once."""
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from scenarios.compile_cache import use_compile_cache
+from scenarios.errors import BadInput, RunFailed, RunInterrupted
+from scenarios.interruption import Interruption
+
+FAILED, BAD_INPUT, SIGNALLED = 1, 2, 128
+
+app = typer.Typer(
+    help="A coach brakes on slippery rail: wheel slide protection, sensors and estimators under one roof.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,  # the decorated help takes twice as long to come up
+    pretty_exceptions_enable=False,
+)
+
+
+def main() -> None:
+    """Entry point of the command."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices: threads cost more than they give
+    app()
+
+
+@app.callback(invoke_without_command=True)
+def common(
+    version: Annotated[bool, typer.Option("--version", help="Show the version and exit.")] = False,
+) -> None:
+    if version:
+        from importlib.metadata import version as version_of
+
+        typer.echo(f"railslide {version_of('railslide')}")
+        raise typer.Exit
+
+
+@app.command()
+def run(
+    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or a path to a .toml file.")],
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Override a key, as in --set wsp.controller=none; may be repeated. scenario.seed sets both seeds.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path,
+        typer.Option(
+            help="Where the run folder is made, called after scenario.name; an older run of that name is replaced."
+        ),
+    ] = Path("runs"),
+    figures: Annotated[bool, typer.Option(help="Draw the figures.")] = True,
+) -> None:
+    """Run a scenario and write its run folder."""
+    with _exit_codes() as interruption:
+        compiles = not any(use_compile_cache().rglob("*.nbi"))
+        from scenarios.scenario_file import load_scenario
+
+        loaded = load_scenario(scenario, settings or ())
+        from rich.console import Console
+
+        from scenarios.run import run_scenario
+        from scenarios.terminal import TerminalWatcher, show_result
+
+        with TerminalWatcher(loaded, interruption, compiles) as watcher:
+            result = run_scenario(loaded, out, watcher, command=["railslide", *sys.argv[1:]], figures=figures)
+        show_result(Console(), loaded, result)
+
+
+@app.command()
+def check(
+    file: Annotated[str, typer.Argument(help="Path to a .toml file, or the name of a built-in scenario.")],
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key, as in run.")
+    ] = None,
+) -> None:
+    """Validate a scenario without running it."""
+    with _exit_codes():
+        use_compile_cache()
+        from scenarios.scenario_file import load_scenario
+
+        loaded = load_scenario(file, settings or ())
+        typer.echo(f"{file}: scenario {loaded.name} is valid")
+
+
+@app.command(name="list")
+def list_names() -> None:
+    """List scenarios, controllers, estimators and presets."""
+    with _exit_codes():
+        use_compile_cache()
+        from rich.console import Console
+
+        from scenarios.catalogue import catalogue_table
+
+        Console().print(catalogue_table())
+
+
+@contextmanager
+def _exit_codes() -> Iterator[Interruption]:
+    """Bad input, failed runs and Ctrl-C become one message and an exit code; errors of the program keep their trace."""
+    with Interruption() as interruption:
+        try:
+            yield interruption
+        except BadInput as error:
+            _complain(error)
+            raise typer.Exit(BAD_INPUT) from None
+        except RunFailed as error:
+            kept = f"; what it had is in {error.folder}" if error.folder else ""
+            typer.echo(f"error: the run failed: {error}{kept}", err=True)
+            raise typer.Exit(FAILED) from None
+        except (KeyboardInterrupt, RunInterrupted):
+            typer.echo("interrupted, nothing was kept", err=True)
+            raise typer.Exit(SIGNALLED + (interruption.number or 2)) from None
+
+
+def _complain(error: BadInput) -> None:
+    if len(error.faults) == 1:
+        typer.echo(f"error: {error}", err=True)
+        return
+    typer.echo(f"error: {len(error.faults)} faults in the input", err=True)
+    for fault in error.faults:
+        typer.echo(f"  {fault}", err=True)

@@ -1,0 +1,211 @@
+"""The co-simulation: coach, brake, tachometers, wheel slide protection and driver in one loop.
+
+Order within the base step from t_k to t_k+1, at the state of t_k:
+1. at whole ticks (10 ms): the tachometers look at the wheels' angles; what controller and driver answered one tick ago
+   comes into force; both read the new tick and answer for the next one (every link latches: inputs of tick k act from
+   tick k+1);
+2. the recorder, at its own period, writes down what is true at t_k;
+3. the brake plant advances to t_k+1 with the valve commands in force; the torque capacity that it then has acts on the
+   coach throughout the step.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+
+from scenarios.driver import Driver
+from scenarios.errors import RunInterrupted, SolveFailed
+from scenarios.recorder import Recorder
+from scenarios.schema import TICK_S, Scenario
+from scenarios.truth import SolveRecord, Truth
+from sensors import AxleSpeedReadings, Tachometers, random_stream
+from vehicle import Actuation, Coach, CoachState, SolveReport, SolverFailure
+from wheel_rail import Adhesion, ConicalContact, Track
+from wsp import Brake
+
+# numbers of the random streams that hang on the world seed
+RAIL_STREAM = 100
+TACHOMETER_STREAM = 101
+
+STANDSTILL_MPS = 0.02
+STANDSTILL_LASTS_S = 2.0
+_PROGRESS_TICKS = 20
+
+OnProgress = Callable[[float, float, float], None]
+
+
+class Line:
+    """The fixed world of a scenario: track, rail and the contact of this coach's wheels with it."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        coach = scenario.coach
+        self.contact = ConicalContact(coach.contact, 0.5 * coach.wheelset.wheel_diameter_m, coach.static_wheel_load_n)
+        self.track = Track(scenario.track)
+        self.adhesion = Adhesion(
+            scenario.adhesion,
+            scenario.track.length_m,
+            self.contact,
+            random_stream(scenario.scenario.world_seed, RAIL_STREAM, 0),
+        )
+
+
+def simulate(scenario: Scenario, on_progress: OnProgress, stop_requested: Callable[[], bool]) -> Truth:
+    """Run the scenario until the coach stands or its time is over.
+
+    `on_progress(t_s, position_m, speed_mps)` is called every 0.2 s of simulated time; `stop_requested` is polled as
+    often. Raises RunInterrupted when it says so, SolveFailed with the truth so far when the integration breaks down.
+    """
+    line = Line(scenario)
+    coach = Coach(scenario.coach, line.contact, line.track, line.adhesion)
+    simulation = scenario.simulation
+    loop = _Loop(scenario, line, on_progress, stop_requested)
+    try:
+        _compile(scenario, line, coach)
+        report = coach.run(
+            simulation.step_s,
+            simulation.longest_s,
+            simulation.initial_position_m,
+            simulation.initial_speed_kmh / 3.6,
+            loop.on_step,
+        )
+    except SolverFailure as failure:
+        raise SolveFailed(str(failure), loop.truth(None) if loop.has_rows else None) from failure
+    if loop.off_the_line:
+        raise SolveFailed(
+            f"the coach ran past the end of the track, track.length_m = {scenario.track.length_m}, without stopping",
+            loop.truth(report),
+        )
+    return loop.truth(report)
+
+
+def _compile(scenario: Scenario, line: Line, coach: Coach) -> None:
+    """Two ticks into the air, so that compiling (or loading) the hot code does not count as solving."""
+    loop = _Loop(scenario, line, lambda *_: None, lambda: False)
+    simulation = scenario.simulation
+    coach.run(
+        simulation.step_s, 2 * TICK_S, simulation.initial_position_m, simulation.initial_speed_kmh / 3.6, loop.on_step
+    )
+
+
+class _Loop:
+    """What happens at each base step, and what it leaves behind."""
+
+    def __init__(
+        self, scenario: Scenario, line: Line, on_progress: OnProgress, stop_requested: Callable[[], bool]
+    ) -> None:
+        self._scenario = scenario
+        self._line = line
+        self._on_progress = on_progress
+        self._stop_requested = stop_requested
+        simulation = scenario.simulation
+        self._steps_per_tick = round(TICK_S / simulation.step_s)
+        self._steps_per_record = round(simulation.record_period_s / simulation.step_s)
+        self._radius_m = 0.5 * scenario.coach.wheelset.wheel_diameter_m
+        # half the coach and a metre hang over behind and before its centre
+        self._reach_m = 0.5 * (scenario.coach.bogie_distance_m + scenario.coach.wheelbase_m) + 1.0
+
+        self._tachometers = Tachometers(
+            scenario.tachometers, random_stream(scenario.scenario.world_seed, TACHOMETER_STREAM, 0)
+        )
+        self._controller = scenario.make_controller()
+        self._controller.reset(0.0, 1)
+        self._ticks_per_control = round(self._controller.period_s / TICK_S)
+        self._driver = Driver(scenario.driver, TICK_S)
+        self._brake = Brake(scenario.brake, simulation.step_s)
+        self._recorder = Recorder()
+        self._actuation = Actuation()
+        self._valve = np.zeros(4, np.int8)
+        self._answer = np.zeros(4, np.int8)
+        self._output = self._controller.step(0.0, np.zeros(4), np.zeros(4, np.bool_), 0.0, 1, math.nan)
+        self._controller.reset(0.0, 1)
+        self._demand = 0.0
+        self._steps = 0
+        self._ticks = 0
+        self._moved = False
+        self._still_ticks = 0
+        self._speeds: list[np.ndarray] = []
+        self._valids: list[np.ndarray] = []
+        self.off_the_line = False
+        self.stopped = False
+
+    @property
+    def has_rows(self) -> bool:
+        """Whether anything has been recorded."""
+        return self._steps > 0
+
+    def on_step(self, t_s: float, state: CoachState) -> Actuation | None:
+        """The coach's callback; see the module's description for the order."""
+        steps = self._steps
+        if steps % self._steps_per_tick == 0 and not self._tick(t_s, state):
+            return None
+        if steps % self._steps_per_record == 0:
+            self._recorder.record(t_s, state, self._demand, self._brake, self._tachometers.axle_speed_mps, self._output)
+        self._steps = steps + 1
+        actuation = self._actuation
+        actuation.brake_torque_nm = self._brake.step(self._demand, self._valve)
+        return actuation
+
+    def _tick(self, t_s: float, state: CoachState) -> bool:
+        """Everything that happens each 10 ms; False ends the run."""
+        position_m, speed_mps = state.position_m, state.speed_mps
+        if self._ticks % _PROGRESS_TICKS == 0:
+            if self._stop_requested():
+                raise RunInterrupted
+            self._on_progress(t_s, position_m, speed_mps)
+        if not self._reach_m < position_m < self._line.track.length_m - self._reach_m:
+            self.off_the_line = position_m > self._reach_m
+        tachometers = self._tachometers
+        tachometers.advance(t_s, state.wheel_angle_rad, state.wheel_rate_radps)
+        self._speeds.append(tachometers.axle_speed_mps.copy())
+        self._valids.append(tachometers.valid.copy())
+        # what was answered one tick ago comes into force
+        driver = self._driver
+        self._actuation.drive_torque_nm[:] = 0.25 * driver.traction_n * self._radius_m
+        self._demand = driver.demand
+        self._valve[:] = self._answer
+        driver.step(position_m, speed_mps)
+        if self._ticks % self._ticks_per_control == 0:
+            self._output = self._controller.step(
+                t_s, tachometers.axle_speed_mps, tachometers.valid, self._demand, 1, math.nan
+            )
+            self._answer[:] = self._output.valve
+        self._ticks += 1
+        self.stopped = self._stands(speed_mps)
+        return not (self.stopped or self.off_the_line)
+
+    def _stands(self, speed_mps: float) -> bool:
+        """Whether the coach, having moved, has been at rest under brakes for long enough to end the run."""
+        if speed_mps > STANDSTILL_MPS:
+            self._moved = True
+            self._still_ticks = 0
+        else:
+            self._still_ticks += 1
+        return self._moved and self._demand > 0.0 and self._still_ticks * TICK_S >= STANDSTILL_LASTS_S
+
+    def truth(self, report: SolveReport | None) -> Truth:
+        """The streams recorded; `report` None when the solve broke down."""
+        line = self._line
+        ended: Literal["standstill", "time"] = "standstill" if self.stopped else "time"
+        simulated_s = self._steps * self._scenario.simulation.step_s
+        ticks = TICK_S * np.arange(len(self._speeds), dtype=np.float64)
+        return Truth(
+            motion=self._recorder.motion_stream(line.track),
+            wheelsets=self._recorder.wheelset_stream(
+                line.contact.patch, line.contact.load_n, line.contact.parameters.shear_modulus_pa
+            ),
+            brake=self._recorder.brake_stream(),
+            tachometer=self._tachometers.readings(),
+            axle_speeds=AxleSpeedReadings(
+                t_s=ticks, axle_speed_mps=np.array(self._speeds), valid=np.array(self._valids)
+            ),
+            solve=SolveRecord(
+                simulated_s=simulated_s,
+                wall_s=report.wall_s if report else math.nan,
+                realtime_factor=simulated_s / report.wall_s if report else math.nan,
+                step_s=self._scenario.simulation.step_s,
+                exudyn_build=report.exudyn_build if report else "",
+                ended=ended,
+            ),
+        )

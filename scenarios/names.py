@@ -1,0 +1,137 @@
+"""The one resolver of names: controllers, estimators and presets of all packages, and a user's own from a file.
+
+Each package exports plain tables (name -> class, or name -> file of a preset). `path/to/file.py:Name` gives a class of
+the user's own, `path/to/file.toml` a preset of the user's own.
+"""
+
+import difflib
+import importlib.util
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+LIBRARY = Path(__file__).parent / "library"
+
+
+class UnknownName(ValueError):
+    """No entry of that name; the message tells the nearest ones."""
+
+
+def _controllers() -> Mapping[str, Any]:
+    from wsp import CONTROLLERS
+
+    return CONTROLLERS
+
+
+def _estimators() -> Mapping[str, Any]:
+    from estimators import ESTIMATORS
+
+    return ESTIMATORS
+
+
+def _coach_presets() -> Mapping[str, Any]:
+    from vehicle import COACH_PRESETS
+
+    return COACH_PRESETS
+
+
+def _brake_presets() -> Mapping[str, Any]:
+    from wsp import BRAKE_PRESETS
+
+    return BRAKE_PRESETS
+
+
+def _imu_presets() -> Mapping[str, Any]:
+    from sensors import IMU_PRESETS
+
+    return IMU_PRESETS
+
+
+def _scenarios() -> Mapping[str, Any]:
+    return {path.stem: path for path in sorted(LIBRARY.glob("*.toml"))}
+
+
+TABLES: dict[str, Callable[[], Mapping[str, Any]]] = {
+    "scenario": _scenarios,
+    "controller": _controllers,
+    "estimator": _estimators,
+    "coach preset": _coach_presets,
+    "brake preset": _brake_presets,
+    "IMU preset": _imu_presets,
+}
+"""Kind -> its table, read on demand: reading one imports its package."""
+
+
+def nearest(word: str, words: Iterable[str]) -> list[str]:
+    """Up to three entries of `words` that a misspelt `word` may have meant, best first."""
+    by_lower = {candidate.lower(): candidate for candidate in words}
+    return [by_lower[match] for match in difflib.get_close_matches(word.lower(), by_lower, n=3, cutoff=0.5)]
+
+
+def unknown(kind: str, name: str, table: Iterable[str]) -> UnknownName:
+    """The refusal of `name`, with its nearest neighbours and all that there is."""
+    known = list(table)
+    best = nearest(name, known)
+    hint = f", best matches are {', '.join(best)}" if len(best) > 1 else f", best match is {best[0]}" if best else ""
+    return UnknownName(f"{kind} {name!r} not found{hint} (there are: {', '.join(known)})")
+
+
+def find_class(kind: str, name: str) -> Any:
+    """The class called `name` among the controllers or estimators, or the one in the user's `path/to/file.py:Name`."""
+    if ".py:" in name:
+        return _class_from_file(kind, name)
+    table = TABLES[kind]()
+    if name not in table:
+        raise unknown(kind, name, table)
+    return table[name]
+
+
+def find_file(kind: str, name: str) -> Path:
+    """The TOML file of the preset or scenario called `name`, or the user's own if `name` ends in .toml."""
+    if name.endswith(".toml"):
+        return Path(name)
+    table = TABLES[kind]()
+    if name not in table:
+        raise unknown(kind, name, table)
+    return Path(table[name])
+
+
+def display_name(name: str) -> str:
+    """A short name for tables and file names: `path/to/file.py:Name` is shown as `Name`."""
+    return name.rpartition(".py:")[2]
+
+
+def _class_from_file(kind: str, name: str) -> Any:
+    """Import the user's file and return its class, which must carry a pydantic model `Parameters` and a `step`."""
+    file_name, _, class_name = name.rpartition(":")
+    path = Path(file_name)
+    if not path.is_file():
+        raise UnknownName(f"{kind} {name!r} not found: there is no file {file_name}")
+    module_name = f"railslide_user_{path.stem}_{abs(hash(str(path.resolve())))}"
+    module = sys.modules.get(module_name)
+    if module is None:
+        spec = importlib.util.spec_from_file_location(module_name, path)
+        if spec is None or spec.loader is None:
+            raise UnknownName(f"{kind} {name!r}: {file_name} cannot be imported")
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[module_name] = module  # dataclasses and pickling look the module up by name
+        try:
+            spec.loader.exec_module(module)
+        except Exception as error:
+            del sys.modules[module_name]
+            raise UnknownName(
+                f"{kind} {name!r}: importing {file_name} failed with {type(error).__name__}: {error}"
+            ) from error
+    found = getattr(module, class_name, None)
+    if not isinstance(found, type):
+        classes = [key for key, value in vars(module).items() if isinstance(value, type)]
+        raise unknown(f"{kind} in {file_name}", class_name, classes)
+    parameters = getattr(found, "Parameters", None)
+    if not (isinstance(parameters, type) and issubclass(parameters, BaseModel)):
+        raise UnknownName(f"{kind} {name!r} needs a nested pydantic model called Parameters")
+    if not callable(getattr(found, "step", None)):
+        raise UnknownName(f"{kind} {name!r} needs a method called step")
+    return found

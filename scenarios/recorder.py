@@ -1,0 +1,129 @@
+"""Records the co-simulation at its own period into rows that grow, and makes the streams of truth from them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from scenarios.truth import BrakeStream, MotionStream, WheelsetStream
+from vehicle import OBSERVATION, POWERS, CoachState
+from wheel_rail import Track
+from wheel_rail.compiled import Array, compiled
+from wheel_rail.polach import peak_adhesion
+from wsp import Brake, ControllerOutput
+
+_STILL_MPS = 0.1  # below this slip has no meaning and is recorded as zero
+
+
+class Recorder:
+    """One row of coach and brake per call of `record`."""
+
+    _BRAKE_COLUMNS = 22
+
+    def __init__(self) -> None:
+        self._motion = np.zeros(8192, OBSERVATION)
+        self._brake = np.zeros((8192, self._BRAKE_COLUMNS))
+        self._rows = 0
+
+    def record(
+        self,
+        t_s: float,
+        state: CoachState,
+        demand: float,
+        brake: Brake,
+        axle_speed_mps: np.ndarray,
+        output: ControllerOutput,
+    ) -> None:
+        """Write what is true at `t_s`; the brake as it stands before the step that begins there."""
+        n = self._rows
+        if n == len(self._motion):
+            self._motion = np.concatenate([self._motion, np.zeros_like(self._motion)])
+            self._brake = np.concatenate([self._brake, np.zeros_like(self._brake)])
+        state.observe(t_s, self._motion, n)
+        row = self._brake[n]
+        row[0] = demand
+        row[1] = output.reference_speed_mps
+        row[2:6] = axle_speed_mps
+        row[6:10] = brake.valve_state
+        row[10:21] = brake.plant_state
+        self._rows = n + 1
+
+    def brake_stream(self) -> BrakeStream:
+        """Brake, valves and what the WSP sees."""
+        rows = self._brake[: self._rows]
+        plant = rows[:, 10:21]
+        return BrakeStream(
+            t_s=self._motion["t_s"][: self._rows],
+            demand=rows[:, 0],
+            reference_speed_mps=rows[:, 1],
+            axle_speed_mps=rows[:, 2:6],
+            valve=rows[:, 6:10].astype(np.int8),
+            distributor_pressure_bar=plant[:, Brake.DISTRIBUTOR],
+            air_nl=plant[:, Brake.DRAWN],
+            cylinder_pressure_bar=plant[:, Brake.CYLINDER],
+            friction_torque_capacity_nm=plant[:, Brake.TORQUE],
+        )
+
+    def motion_stream(self, track: Track) -> MotionStream:
+        """The carbody's motion, and the track where it is."""
+        rows = self._motion[: self._rows]
+        position = rows["position_m"]
+        copied = ("t_s", "position_m", "speed_mps", "acceleration_mps2", "roll_rad", "pitch_rad", "yaw_rad",
+                  "specific_force_mps2", "angular_rate_radps", "angular_acceleration_radps2", "kinetic_energy_j",
+                  "momentum_ns", "external_force_n")  # fmt: skip
+        return MotionStream(
+            **_fields(rows, copied),
+            gradient_permille=track.gradient_permille(position),
+            curvature_radpm=track.curvature_radpm(position),
+            cant_mm=track.cant_mm(position),
+            **{f"power_{name}_w": rows["power_w"][:, k] for k, name in enumerate(POWERS)},
+        )
+
+    def wheelset_stream(self, patch: np.ndarray, reference_load_n: float, shear_modulus_pa: float) -> WheelsetStream:
+        """Wheelsets; `patch` (6,) is the contact ellipse at `reference_load_n`, for the peak adhesion on offer."""
+        rows = self._motion[: self._rows]
+        speed = rows["wheelset_speed_mps"]
+        moving = np.abs(speed) > _STILL_MPS
+        slip = np.where(moving, (speed - rows["rim_speed_mps"]) / np.where(moving, speed, 1.0), 0.0)
+        offered = np.empty_like(speed)
+        _offered_adhesion(
+            speed, rows["normal_force_n"], rows["rail_law"], patch, reference_load_n, shear_modulus_pa, offered
+        )
+        copied = ("t_s", "rim_speed_mps", "wheel_angle_rad", "lateral_displacement_m", "normal_force_n",
+                  "longitudinal_force_n", "lateral_force_n", "brake_torque_nm", "friction_power_w")  # fmt: skip
+        return WheelsetStream(
+            **_fields(rows, copied),
+            position_m=rows["wheelset_position_m"],
+            speed_mps=speed,
+            slip=slip,
+            peak_adhesion=offered,
+        )
+
+
+def _fields(rows: np.ndarray, names: Sequence[str]) -> dict[str, np.ndarray]:
+    return {name: np.ascontiguousarray(rows[name]) for name in names}
+
+
+@compiled
+def _offered_adhesion(
+    speed: Array,
+    normal: Array,
+    law: Array,
+    patch: Array,
+    reference_load_n: float,
+    shear_modulus_pa: float,
+    offered: Array,
+) -> None:
+    """Load-weighted peak adhesion of the two wheels of each wheelset, into `offered` (n, 4)."""
+    for n in range(speed.shape[0]):
+        for i in range(4):
+            force = 0.0
+            load = 0.0
+            for side in range(2):
+                wheel_load = normal[n, 2 * i + side]
+                if wheel_load > 0.0:
+                    growth = np.cbrt(wheel_load / reference_load_n)
+                    grown = (patch[0] * growth, patch[1] * growth, patch[2], patch[3], patch[4], patch[5])
+                    peak, _ = peak_adhesion(abs(speed[n, i]), wheel_load, grown, law[n, side, i], shear_modulus_pa)
+                    force += peak * wheel_load
+                    load += wheel_load
+            offered[n, i] = force / load if load > 0.0 else 0.0

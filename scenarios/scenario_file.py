@@ -1,0 +1,217 @@
+"""Scenario files: found, read, laid over each other, validated, and written back with nothing left implicit."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, get_type_hints
+
+import tomli_w
+from pydantic import BaseModel
+
+from scenarios.errors import BadInput, Fault
+from scenarios.faults import table_fault, unknown_key, validate_section
+from scenarios.layers import Layer, Merged, Tree, parse_setting, read_toml
+from scenarios.names import UnknownName, find_class, find_file
+from scenarios.schema import Scenario
+from sensors import Imu
+
+COMPOSED = ("wsp", "estimators")
+"""Sections whose models depend on names in them."""
+
+PLAIN_MODELS: dict[str, type[BaseModel]] = {
+    section: model
+    for section, model in get_type_hints(Scenario).items()
+    if section in Scenario.model_fields and section not in (*COMPOSED, "presets")
+}
+SECTIONS = (*PLAIN_MODELS, *COMPOSED)
+
+
+def load_scenario(name_or_path: str | Path, settings: Sequence[str] = ()) -> Scenario:
+    """The scenario of that name or file, with `section.key=value` settings laid over it.
+
+    Raises BadInput with every fault that is found.
+    """
+    path = locate(str(name_or_path))
+    merged = Merged()
+    merged.origins[()] = str(path)
+    for layer in _file_layers(path):
+        merged.add(layer)
+    merged.tree.setdefault("scenario", {})
+    if isinstance(merged.tree["scenario"], dict):
+        merged.tree["scenario"].setdefault("name", path.stem)
+    faults: list[Fault] = []
+    for setting in settings:
+        try:
+            tree = parse_setting(setting)
+            if "extends" in _table(tree, "scenario"):
+                raise BadInput(Fault("--set", setting, "extends belongs in a file"))
+            merged.add(_prepared(Layer(tree, "--set", Path())))
+        except BadInput as error:
+            faults.extend(error.faults)
+    faults.extend(merged.expand_presets())
+    scenario = _validated(merged, faults)
+    if scenario is None or faults:
+        raise BadInput(*faults)
+    return scenario
+
+
+def locate(name_or_path: str) -> Path:
+    """The file of a built-in scenario's name or of a path to a .toml file."""
+    looks_like_path = name_or_path.endswith(".toml") or "/" in name_or_path or "\\" in name_or_path
+    if looks_like_path or Path(name_or_path).exists():
+        return Path(name_or_path)
+    try:
+        return find_file("scenario", name_or_path)
+    except UnknownName as error:
+        raise BadInput(Fault("", "", f"{error}; a file of your own ends in .toml")) from None
+
+
+def dump_scenario(scenario: Scenario) -> str:
+    """The scenario as TOML with every parameter explicit; loading it gives the same scenario."""
+    tree = scenario.model_dump(mode="json", exclude_none=True, exclude={"presets"})
+    estimators = tree.pop("estimators")
+    tree["estimators"] = {"names": estimators["names"], **estimators["parameters"]}
+    return tomli_w.dumps(tree)
+
+
+def _file_layers(path: Path) -> list[Layer]:
+    """The file and what it extends, the farthest ancestor first."""
+    layers: list[Layer] = []
+    seen: list[Path] = []
+    while True:
+        if path.resolve() in seen:
+            chain = " -> ".join(str(file) for file in [*seen, path.resolve()])
+            raise BadInput(Fault(str(path), "scenario.extends", f"goes in a circle: {chain}"))
+        seen.append(path.resolve())
+        layer = _prepared(Layer(read_toml(path), str(path), path.parent))
+        head = _table(layer.tree, "scenario")
+        parent = head.pop("extends", None)
+        if layers:  # name and title belong to the file itself
+            head.pop("name", None)
+            head.pop("title", None)
+        layers.insert(0, layer)
+        if parent is None:
+            return layers
+        if not isinstance(parent, str):
+            raise BadInput(Fault(str(path), f"scenario.extends = {parent!r}", "must be a scenario's name or a path"))
+        try:
+            path = layer.folder / parent if parent.endswith(".toml") else find_file("scenario", parent)
+        except UnknownName as error:
+            raise BadInput(Fault(str(path), "scenario.extends", str(error))) from None
+
+
+def _prepared(layer: Layer) -> Layer:
+    """`seed` stands for both seeds; relative paths of a user's classes and presets count from the layer's folder."""
+    head = _table(layer.tree, "scenario")
+    if "seed" in head:
+        seed = head.pop("seed")
+        head.setdefault("world_seed", seed)
+        head.setdefault("sensor_seed", seed)
+    for section in ("coach", "brake", "imu"):
+        table = _table(layer.tree, section)
+        if "preset" in table:
+            table["preset"] = _anchored(table["preset"], layer.folder, ".toml")
+    wsp = _table(layer.tree, "wsp")
+    if "controller" in wsp:
+        wsp["controller"] = _anchored(wsp["controller"], layer.folder, ".py:")
+    estimators = _table(layer.tree, "estimators")
+    if isinstance(estimators.get("names"), list):
+        estimators["names"] = [_anchored(name, layer.folder, ".py:") for name in estimators["names"]]
+    for name in [name for name in estimators if ".py:" in name]:
+        estimators[_anchored(name, layer.folder, ".py:")] = estimators.pop(name)
+    return layer
+
+
+def _anchored(value: Any, folder: Path, mark: str) -> Any:
+    """A path in a file counts from the file's folder; anything but a path is left alone."""
+    if not isinstance(value, str) or mark not in value:
+        return value
+    return str((folder / value).resolve())
+
+
+def _table(tree: Tree, section: str) -> Tree:
+    table = tree.get(section)
+    return table if isinstance(table, dict) else {}
+
+
+def _validated(merged: Merged, faults: list[Fault]) -> Scenario | None:
+    faults.extend(unknown_key(merged, (section,), SECTIONS) for section in merged.tree if section not in SECTIONS)
+    built: dict[str, Any] = {}
+    for section, model in PLAIN_MODELS.items():
+        if section not in merged.without_preset:  # without its preset a section would only lack keys
+            built[section] = validate_section(model, merged.tree.get(section, {}), (section,), merged, faults)
+    built["wsp"] = _wsp(merged, faults)
+    built["estimators"] = _estimators(merged, faults)
+    if faults:
+        return None
+    scenario = Scenario(**built, presets=merged.presets)
+    faults.extend(_contradictions(scenario, merged))
+    return scenario
+
+
+def _contradictions(scenario: Scenario, merged: Merged) -> Iterator[Fault]:
+    """What is right by itself but not together."""
+    simulation = scenario.simulation
+    if simulation.initial_position_m > scenario.track.length_m:
+        source = merged.origin(("simulation", "initial_position_m"))
+        key = f"simulation.initial_position_m = {simulation.initial_position_m}"
+        yield Fault(source, key, f"must lie on the track, which is {scenario.track.length_m} m long")
+    try:
+        Imu(scenario.imu, simulation.record_period_s, scenario.scenario.sensor_seed)
+    except ValueError as error:
+        yield table_fault(merged, (), f"{error} (simulation.record_period_s = {simulation.record_period_s})")
+
+
+def _wsp(merged: Merged, faults: list[Fault]) -> dict[str, Any] | None:
+    table = _section_table(merged, "wsp", faults)
+    if table is None:
+        return None
+    known = ("controller", "parameters")
+    faults.extend(unknown_key(merged, ("wsp", key), known) for key in table if key not in known)
+    name = table.get("controller")
+    if name is None:
+        faults.append(Fault(merged.origin(("wsp",)), "wsp.controller", "is missing (the name of a controller)"))
+        return None
+    found = _class_of("controller", name, ("wsp", "controller"), merged, faults)
+    if found is None:
+        return None
+    parameters = validate_section(found.Parameters, table.get("parameters", {}), ("wsp", "parameters"), merged, faults)
+    return {"controller": name, "parameters": parameters}
+
+
+def _estimators(merged: Merged, faults: list[Fault]) -> dict[str, Any] | None:
+    """Parameters may stand there for estimators that this run does not name; they are checked and left out."""
+    table = _section_table(merged, "estimators", faults)
+    if table is None:
+        return None
+    names = table.get("names", [])
+    key = ("estimators", "names")
+    if not (isinstance(names, list) and all(isinstance(name, str) for name in names)) or len(set(names)) < len(names):
+        faults.append(Fault(merged.origin(key), f"estimators.names = {names!r}", "must be an array of different names"))
+        return None
+    parameters: dict[str, Any] = {}
+    for name in dict.fromkeys([*names, *(key for key in table if key != "names")]):
+        where = key if name in names else ("estimators", name)
+        found = _class_of("estimator", name, where, merged, faults)
+        if found is not None:
+            built = validate_section(found.Parameters, table.get(name, {}), ("estimators", name), merged, faults)
+            if name in names:
+                parameters[name] = built
+    return {"names": tuple(names), "parameters": parameters}
+
+
+def _section_table(merged: Merged, section: str, faults: list[Fault]) -> Tree | None:
+    table = merged.tree.get(section, {})
+    if isinstance(table, dict):
+        return table
+    faults.append(Fault(merged.origin((section,)), section, f"must be a table: [{section}]"))
+    return None
+
+
+def _class_of(kind: str, name: Any, key: tuple[str, ...], merged: Merged, faults: list[Fault]) -> Any:
+    try:
+        if not isinstance(name, str):
+            raise UnknownName(f"must be the name of {'an' if kind[0] in 'aeiou' else 'a'} {kind}, not {name!r}")
+        return find_class(kind, name)
+    except UnknownName as error:
+        faults.append(Fault(merged.origin(key), ".".join(key), str(error)))
+        return None

@@ -1,0 +1,80 @@
+"""The shortest stop that the rail allows: a point mass that always uses all the adhesion there is."""
+
+import numpy as np
+
+from scenarios.cosimulation import Line
+from scenarios.metrics import stop_span
+from scenarios.schema import Scenario
+from scenarios.truth import Truth
+from wheel_rail.compiled import Array, Vector, compiled
+from wheel_rail.contact import rail_law
+from wheel_rail.polach import peak_adhesion
+from wsp import FILL, Brake
+
+_STEP_S = 0.01
+
+
+def shortest_stop(scenario: Scenario, truth: Truth) -> float | None:
+    """Distance in m from the brake demand to standstill of a point mass with the same demand build-up, resistance and
+    gradient, braked by the smaller of the brake's force and peak adhesion x static load, summed over the wheels, on the
+    rail as it was before any wheel ran over it. None for a run without a stop.
+    """
+    span = stop_span(truth)
+    if span is None:
+        return None
+    start, end = span
+    line = Line(scenario)
+    coach = scenario.coach
+    brake = Brake(scenario.brake, _STEP_S)
+    no_wsp = np.full(4, FILL, np.int8)
+    motion = truth.motion
+    # the demand as it was given; held at its last value should this stop take longer
+    times = np.arange(0.0, 3.0 * (motion.t_s[end] - motion.t_s[start]) + 60.0, _STEP_S)
+    demand = np.interp(motion.t_s[start] + times, truth.brake.t_s[: end + 1], truth.brake.demand[: end + 1])
+    radius_m = 0.5 * coach.wheelset.wheel_diameter_m
+    force_n = np.array([brake.step(float(d), no_wsp).sum() / radius_m for d in demand])
+    offsets = truth.wheelsets.position_m[start] - motion.position_m[start]
+    distance = _point_mass_stop(
+        float(motion.position_m[start]),
+        float(motion.speed_mps[start]),
+        force_n,
+        offsets,
+        coach.mass_kg,
+        coach.effective_mass_kg,
+        (coach.resistance.a_n, coach.resistance.b_nspm, coach.resistance.c_ns2pm2),
+        line.track.gradient_permille(np.arange(0.0, line.track.length_m + 1.0)),
+        line.adhesion.cell_m,
+        line.adhesion.table,
+        line.contact.patch,
+        line.contact.load_n,
+        line.contact.parameters.shear_modulus_pa,
+    )
+    return float(distance) if np.isfinite(distance) else None
+
+
+@compiled
+def _point_mass_stop(
+    position_m: float, speed_mps: float, force_n: Array, offsets_m: Array, mass_kg: float, effective_mass_kg: float,
+    resistance: Vector, gradient_permille: Array, cell_m: float, adhesion: Array, patch: Array, load_n: float,
+    shear_modulus_pa: float,
+) -> float:  # fmt: skip
+    """Distance to standstill, nan if the time of `force_n` (per 10 ms) does not suffice; midpoint in speed."""
+    law = np.empty(5)
+    start = position_m
+    for k in range(force_n.shape[0]):
+        limit = 0.0
+        for i in range(4):
+            for side in range(2):
+                rail_law(position_m + offsets_m[i], side, cell_m, adhesion, law)
+                peak, _ = peak_adhesion(speed_mps, load_n, patch, law, shear_modulus_pa)
+                limit += peak * load_n
+        drag = resistance[0] + speed_mps * (resistance[1] + speed_mps * resistance[2])
+        place = min(max(int(position_m), 0), gradient_permille.shape[0] - 1)
+        slope = mass_kg * 9.81 * gradient_permille[place] / 1000.0
+        # what the discs take out of the wheels' rotation does not pass through the rail
+        deceleration = min((force_n[k] + drag + slope) / effective_mass_kg, (limit + drag + slope) / mass_kg)
+        if speed_mps - deceleration * _STEP_S <= 0.0:
+            return position_m + 0.5 * speed_mps * speed_mps / deceleration - start
+        position_m += speed_mps * _STEP_S - 0.5 * deceleration * _STEP_S * _STEP_S
+        speed_mps -= deceleration * _STEP_S
+    return np.nan

@@ -1,0 +1,103 @@
+"""What a run really did: motion of the coach, its wheelsets, its brake, and what the tachometers in the loop gave."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from sensors.readings import AxleSpeedReadings, TachometerReadings
+from sensors.streams import WHEELS, WHEELSETS, XYZ, FloatArray, Int8Array, Stream, quantity
+
+
+class MotionStream(Stream):
+    """The carbody's motion at the record period, and the balances of the whole coach that tests audit."""
+
+    t_s: FloatArray = quantity("s", about="time from the start of the run")
+    position_m: FloatArray = quantity("m", about="of the carbody's centre along the track")
+    speed_mps: FloatArray = quantity("m/s", about="of the carbody along the track")
+    acceleration_mps2: FloatArray = quantity("m/s2", about="of the carbody along the track")
+    gradient_permille: FloatArray = quantity("permille", about="of the track at the carbody's centre, positive uphill")
+    curvature_radpm: FloatArray = quantity("rad/m", about="of the track at the carbody's centre, positive to the left")
+    cant_mm: FloatArray = quantity(
+        "mm", about="of the track at the carbody's centre, positive with the right rail raised"
+    )
+    roll_rad: FloatArray = quantity("rad", about="of the carbody against the horizontal")
+    pitch_rad: FloatArray = quantity("rad", about="of the carbody against the horizontal, nose down positive")
+    yaw_rad: FloatArray = quantity("rad", about="heading of the carbody since the start of the track")
+    specific_force_mps2: FloatArray = quantity(
+        "m/s2", XYZ, about="acceleration minus gravity at the carbody's centre of mass, carbody axes"
+    )
+    angular_rate_radps: FloatArray = quantity("rad/s", XYZ, about="of the carbody, carbody axes")
+    angular_acceleration_radps2: FloatArray = quantity("rad/s2", XYZ, about="of the carbody, carbody axes")
+    kinetic_energy_j: FloatArray = quantity("J", about="of all bodies")
+    power_gravity_w: FloatArray = quantity("W", about="power of gravity")
+    power_suspension_w: FloatArray = quantity("W", about="power of springs, dampers and stops, positive into motion")
+    power_contact_normal_w: FloatArray = quantity("W", about="power of the contacts' normal forces")
+    power_creep_w: FloatArray = quantity("W", about="power of the creep forces")
+    power_brake_w: FloatArray = quantity("W", about="power of the brake torques")
+    power_drive_w: FloatArray = quantity("W", about="power of the drive torques")
+    power_resistance_w: FloatArray = quantity("W", about="power of the running resistance")
+    momentum_ns: FloatArray = quantity("N s", XYZ, about="of all bodies, world axes")
+    external_force_n: FloatArray = quantity(
+        "N", XYZ, about="gravity, contacts and resistance on all bodies, world axes"
+    )
+
+
+class WheelsetStream(Stream):
+    """The wheelsets 1..4 from the front at the record period; eight wheels 1L 1R 2L ..."""
+
+    t_s: FloatArray = quantity("s", about="time from the start of the run")
+    position_m: FloatArray = quantity("m", WHEELSETS, about="of the wheelset's centre along the track")
+    speed_mps: FloatArray = quantity("m/s", WHEELSETS, about="of the wheelset's centre along the track")
+    rim_speed_mps: FloatArray = quantity("m/s", WHEELSETS, about="angular speed times rolling radius")
+    wheel_angle_rad: FloatArray = quantity("rad", WHEELSETS, about="angle turned since the start")
+    slip: FloatArray = quantity("1", WHEELSETS, about="(speed - rim speed)/speed, positive when braking")
+    normal_force_n: FloatArray = quantity("N", WHEELS, about="normal force of the contact")
+    longitudinal_force_n: FloatArray = quantity(
+        "N", WHEELS, about="creep force on the wheel along the track, positive forward"
+    )
+    lateral_force_n: FloatArray = quantity("N", WHEELS, about="creep force on the wheel to the left")
+    lateral_displacement_m: FloatArray = quantity(
+        "m", WHEELSETS, about="of the wheelset against the track, to the left"
+    )
+    peak_adhesion: FloatArray = quantity("1", WHEELSETS, about="what the rail offers there at this speed and load")
+    brake_torque_nm: FloatArray = quantity("N m", WHEELSETS, about="friction torque acting on the wheelset")
+    friction_power_w: FloatArray = quantity("W", WHEELSETS, about="dissipated in both contacts")
+
+
+class BrakeStream(Stream):
+    """Brake, valves and what the wheel slide protection sees, at the record period."""
+
+    t_s: FloatArray = quantity("s", about="time from the start of the run")
+    demand: FloatArray = quantity("1", about="brake demand, 1 is full service")
+    distributor_pressure_bar: FloatArray = quantity("bar", about="gauge pressure at the distributor's output")
+    cylinder_pressure_bar: FloatArray = quantity("bar", WHEELSETS, about="gauge pressure in the cylinders of the axle")
+    valve: Int8Array = quantity("1", WHEELSETS, about="state of the valves: 0 fill, 1 hold, 2 vent", dtype=np.int8)
+    friction_torque_capacity_nm: FloatArray = quantity("N m", WHEELSETS, about="largest friction torque of the discs")
+    axle_speed_mps: FloatArray = quantity("m/s", WHEELSETS, about="speed as the wheel slide protection sees it")
+    reference_speed_mps: FloatArray = quantity("m/s", about="of the wheel slide protection; nan where it has none")
+    air_nl: FloatArray = quantity("nl", about="air drawn from the supply so far, normal litres")
+
+
+@dataclass(frozen=True)
+class SolveRecord:
+    """How the solve went; times are those of the wall clock."""
+
+    simulated_s: float
+    wall_s: float
+    realtime_factor: float
+    step_s: float
+    exudyn_build: str
+    ended: Literal["standstill", "time"]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """All that the co-simulation yields."""
+
+    motion: MotionStream
+    wheelsets: WheelsetStream
+    brake: BrakeStream
+    tachometer: TachometerReadings
+    axle_speeds: AxleSpeedReadings
+    solve: SolveRecord
