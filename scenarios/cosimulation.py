@@ -1,9 +1,9 @@
 """The co-simulation: coach, brake, tachometers, wheel slide protection and driver in one loop.
 
 Order within the base step from t_k to t_k+1, at the state of t_k:
-1. at whole ticks (10 ms): the tachometers look at the wheels' angles; what controller and driver answered one tick ago
-   comes into force; both read the new tick and answer for the next one (every link latches: inputs of tick k act from
-   tick k+1);
+1. at whole ticks (10 ms): the tachometers look at the wheels' angles; what the controller answered one tick ago comes
+   into force; it reads the new tick and answers for the next one (every link latches: inputs of tick k act from tick
+   k+1); the driver does the same at its own ticks (0.1 s);
 2. the recorder, at its own period, writes down what is true at t_k;
 3. the brake plant advances to t_k+1 with the valve commands in force; the torque capacity that it then has acts on the
    coach throughout the step.
@@ -31,6 +31,8 @@ TACHOMETER_STREAM = 101
 
 STANDSTILL_MPS = 0.02
 STANDSTILL_LASTS_S = 2.0
+DRIVER_PERIOD_S = 0.1
+_TICKS_PER_DRIVER = round(DRIVER_PERIOD_S / TICK_S)
 _PROGRESS_TICKS = 20
 
 OnProgress = Callable[[float, float, float], None]
@@ -112,7 +114,7 @@ class _Loop:
         self._controller = scenario.make_controller()
         self._controller.reset(0.0, 1)
         self._ticks_per_control = round(self._controller.period_s / TICK_S)
-        self._driver = Driver(scenario.driver, TICK_S)
+        self._driver = Driver(scenario.driver, DRIVER_PERIOD_S)
         self._brake = Brake(scenario.brake, simulation.step_s)
         self._recorder = Recorder()
         self._actuation = Actuation()
@@ -160,13 +162,14 @@ class _Loop:
         tachometers.advance(t_s, state.wheel_angle_rad, state.wheel_rate_radps)
         self._speeds.append(tachometers.axle_speed_mps.copy())
         self._valids.append(tachometers.valid.copy())
-        # what was answered one tick ago comes into force
-        driver = self._driver
-        self._actuation.drive_torque_nm[:] = 0.25 * driver.traction_n * self._radius_m
-        self._demand = driver.demand
-        self._valve[:] = self._answer
-        driver.step(position_m, speed_mps)
+        # what each answered at its last tick comes into force, then it answers anew
+        if self._ticks % _TICKS_PER_DRIVER == 0:
+            driver = self._driver
+            self._actuation.drive_torque_nm[:] = 0.25 * driver.traction_n * self._radius_m
+            self._demand = driver.demand
+            driver.step(position_m, speed_mps)
         if self._ticks % self._ticks_per_control == 0:
+            self._valve[:] = self._answer
             self._output = self._controller.step(
                 t_s, tachometers.axle_speed_mps, tachometers.valid, self._demand, 1, math.nan
             )

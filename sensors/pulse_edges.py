@@ -74,7 +74,7 @@ def _crossing(target: float, low: float, high: float, c1: float, c2: float, c3: 
             low = max(low, u)
         slope = c1 + u * (2.0 * c2 + 3.0 * c3 * u)
         new = u - error / slope if slope != 0.0 else low - 1.0
-        if abs(new - u) < 1e-10:  # of a tick of 10 ms: a picosecond
+        if abs(new - u) < 1e-5:  # Newton squares it: the new place is good to 1e-10 of a tick of 10 ms, a picosecond
             return min(max(new, low), high)
         u = new if low <= new <= high else 0.5 * (low + high)
     return u

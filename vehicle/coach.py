@@ -13,7 +13,9 @@ controllers is the callback's own.
 """
 
 import contextlib
+import gc
 import io
+import math
 import sys
 import time
 from collections.abc import Callable
@@ -23,14 +25,13 @@ from typing import Any
 
 import numpy as np
 
-from vehicle.forces import begin_step, coach_force, coach_jacobian
+from vehicle.forces import coach_force, coach_jacobian
 from vehicle.layout import COORDINATES, SPIN, centres, coach_record
 from vehicle.observation import observe
 from vehicle.parameters import CoachParameters
+from vehicle.stepping import FRESH, LOST, SPECTRAL_RADIUS, begin_step
 from wheel_rail import Adhesion, ConicalContact, Track
 from wheel_rail.track import track_frame
-
-SPECTRAL_RADIUS = 0.1
 
 
 class SolverFailure(RuntimeError):
@@ -56,7 +57,7 @@ class CoachState:
         self, q: np.ndarray, v: np.ndarray, record: np.ndarray, track: np.ndarray, adhesion: np.ndarray
     ) -> None:
         self._arguments = (q, v, record, track, adhesion)
-        self._velocity = v
+        self._velocity = v[:3]
         self._places = record[0]["s"]
         self.wheel_angle_rad = q[SPIN:]
         self.wheel_rate_radps = v[SPIN:]
@@ -64,13 +65,12 @@ class CoachState:
     @property
     def position_m(self) -> float:
         """Place of the carbody's centre along the track (within a millimetre)."""
-        return float(self._places[4])
+        return self._places.item(4)
 
     @property
     def speed_mps(self) -> float:
         """Speed of the carbody's centre."""
-        v = self._velocity
-        return float((v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) ** 0.5)
+        return math.hypot(*self._velocity.tolist())
 
     def observe(self, t_s: float, rows: np.ndarray, row: int) -> None:
         """Write the full observation into `rows[row]`, dtype `OBSERVATION`."""
@@ -119,9 +119,16 @@ class Coach:
         system = self._assemble(mbs, record, initial_position_m, initial_speed_mps)
         solver = exu.MainSolverImplicitSecondOrder()
         run = _Run(mbs, system, solver, record, self._track.table, self._adhesion.table, step_s, on_step)
-        wall = time.perf_counter()
-        reached = solver.SolveSystem(mbs, _settings(exu, step_s, longest_s))
-        wall = time.perf_counter() - wall
+        settings = _settings(exu, step_s, longest_s)
+        collecting = gc.isenabled()
+        gc.disable()  # a callback makes no cycles, and the collector would look through everything again and again
+        try:
+            wall = time.perf_counter()
+            reached = solver.SolveSystem(mbs, settings)
+            wall = time.perf_counter() - wall
+        finally:
+            if collecting:
+                gc.enable()
         run.raise_what_happened(bool(reached))
         return SolveReport(
             simulated_s=run.t_s,
@@ -199,17 +206,6 @@ class _Run:
         force = np.zeros(COORDINATES)
         jacobian = np.zeros((COORDINATES, COORDINATES))
 
-        due = True
-
-        def newton_residual(_mbs: Any, _t: float, _iteration: int, _discontinuous: int) -> bool:
-            nonlocal due
-            if due:
-                coach_force(q, v, force, record, track, adhesion)
-                set_parameter(system, "forceVector", force)
-                # in the linearised step only the predictor's forces count
-                due = False
-            return True
-
         def newton_jacobian(
             _mbs: Any, _t: float, _item: int, _q: np.ndarray, _v: np.ndarray, factor_q: float, factor_v: float
         ) -> np.ndarray:
@@ -218,8 +214,6 @@ class _Run:
             return jacobian
 
         def pre_step(_mbs: Any, _end_s: float) -> bool:
-            nonlocal due
-            due = True
             # Exudyn names the end of the step, summed up: the start by counting is free of its rounding
             now = self.steps * step_s
             try:
@@ -233,9 +227,10 @@ class _Run:
             self.steps += 1
             capacity[:] = answer.brake_torque_nm
             drive[:] = answer.drive_torque_nm
-            condition = begin_step(q, v, step_s, record)
-            if condition != 0:
-                if condition == 2:
+            condition = begin_step(q, v, a, force, step_s, record, track, adhesion)
+            set_parameter(system, "forceVector", force)
+            if condition != FRESH:
+                if condition == LOST:
                     self._lost = f"state not finite at t = {now:.3f} s"
                     return False
                 convergence = solver.conv
@@ -248,12 +243,12 @@ class _Run:
         mbs.Assemble()
         q = mbs.systemData.GetODE2Coordinates(copy=False)
         v = mbs.systemData.GetODE2Coordinates_t(copy=False)
+        a = mbs.systemData.GetODE2Coordinates_tt(copy=False)
         capacity, drive = self._coach["capacity"], self._coach["drive"]
         state = CoachState(q, v, record, track, adhesion)
         self._state = state
         coach_force(q, v, force, record, track, adhesion)
         set_parameter(system, "forceVector", force)
-        mbs.SetPreNewtonResidualUserFunction(newton_residual)
         mbs.SetPreStepUserFunction(pre_step)
 
     def raise_what_happened(self, reached: bool) -> None:
@@ -295,7 +290,7 @@ def _settings(exu: ModuleType, step_s: float, longest_s: float) -> Any:
     integration.stepInformation = 0
     integration.newton.active = False
     integration.newton.useModifiedNewton = True
-    settings.linearSolver.solverType = exu.LinearSolverType.EXUdense
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenDense
     settings.parallel.numberOfThreads = 1
     settings.solution.file.write = False
     settings.solution.sensors.active = False

@@ -14,10 +14,8 @@ from vehicle.suspension import add_suspension, add_suspension_jacobian, body_fra
 from wheel_rail.compiled import Array, Record, compiled
 from wheel_rail.contact import (
     NORMAL,
-    PENETRATION,
     REPORT,
     SECANT,
-    SLIDE,
     TANGENT,
     flange_force,
     rail_law,
@@ -27,7 +25,6 @@ from wheel_rail.track import track_frame
 
 GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, GYROSCOPIC = range(8)
 _STEP_PROBE = 1e-6
-_STALE_SHARE = 0.0001
 
 
 @compiled
@@ -95,9 +92,15 @@ def _brake_torque(i: int, angle: float, spin_radps: float, coach: Record) -> tup
 @compiled
 def forces_by_class(q: Array, v: Array, coach: Record, track: Array, adhesion: Array) -> None:
     """Fill `coach.force` (8, 46); needs nothing but the state and the step memory of the brake."""
+    body_frames(q, v, coach)
+    forces_of_frames(q, v, coach, track, adhesion)
+
+
+@compiled
+def forces_of_frames(q: Array, v: Array, coach: Record, track: Array, adhesion: Array) -> None:
+    """`forces_by_class` with the bodies' rotations and angular velocities as they stand in `coach`."""
     force = coach.force
     force[:, :] = 0.0
-    body_frames(q, v, coach)
     locate(q, coach, track)
     for i in range(7):
         force[GRAVITY, 6 * i + 2] = -coach.mass[i] * GRAVITY_MPS2
@@ -144,15 +147,21 @@ def forces_by_class(q: Array, v: Array, coach: Record, track: Array, adhesion: A
 
 
 @compiled
-def coach_force(q: Array, v: Array, f: Array, record: Record, track: Array, adhesion: Array) -> None:
-    """Total generalised force f (46,) at state q, v (46,)."""
-    coach = record[0]
-    forces_by_class(q, v, coach, track, adhesion)
+def add_classes(coach: Record, f: Array) -> None:
+    """Sum of the force classes into f (46,)."""
     for j in range(46):
         total = 0.0
         for k in range(8):
             total += coach.force[k, j]
         f[j] = total
+
+
+@compiled
+def coach_force(q: Array, v: Array, f: Array, record: Record, track: Array, adhesion: Array) -> None:
+    """Total generalised force f (46,) at state q, v (46,)."""
+    coach = record[0]
+    forces_by_class(q, v, coach, track, adhesion)
+    add_classes(coach, f)
 
 
 @compiled
@@ -242,57 +251,3 @@ def coach_jacobian(
     for i in range(3):
         for j in range(3):
             jacobian[i, j] += slope * frame[3 + i] * frame[3 + j]
-
-
-@compiled
-def begin_step(q: Array, v: Array, step_s: float, record: Record) -> int:
-    """Commit the step that has ended, look ahead along the track, and return 1 if the Jacobian has aged, else 0.
-
-    Returns 2 when the state is no longer finite.
-
-    The wind-up of a stuck caliper follows the wheel up to what its capacity holds. The Jacobian is old when
-    the error of a creep slope, times what the slip has moved in the step, makes a false force of 0.01 % of the wheel
-    load (this decides the accuracy at the edge of sliding); when a slope times step over effective mass has changed by
-    over one half; when a wheel has lifted or landed, a brake has caught or let go, or the coach has turned by 2 mrad.
-    """
-    coach = record[0]
-    for j in range(46):
-        if not math.isfinite(v[j]):
-            return 2
-    aged = False
-    radius = coach.contact.radius_m
-    gain = step_s * radius * radius / coach.spin_inertia
-    for i in range(4):
-        at = 18 + 6 * i
-        limit = coach.capacity[i] / coach.caliper_stiffness
-        wind_up = coach.wind_up[i] + q[42 + i] - coach.angle[i]
-        coach.wind_up[i] = min(max(wind_up, -limit), limit)
-        coach.angle[i] = q[42 + i]
-        frame = coach.frame[i]
-        coach.s[i] += step_s * (v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5])
-        if coach.stuck[i] != coach.old_stuck[i]:
-            aged = True
-        for side in range(2):
-            report = coach.report[i, side]
-            error = abs(report[TANGENT] - coach.old_tangent[i, side])
-            if error * abs(report[SLIDE] - coach.old_slide[i, side]) > _STALE_SHARE * report[NORMAL]:
-                aged = True
-            coach.old_slide[i, side] = report[SLIDE]
-            if error > 0.5 * (1.0 / gain + abs(coach.old_tangent[i, side])):
-                aged = True
-            if abs(report[SECANT] - coach.old_secant[i, side]) > 0.5 * (1.0 / gain + coach.old_secant[i, side]):
-                aged = True
-            touch = 1.0 if report[PENETRATION] > 0.0 else 0.0
-            if touch != coach.old_touch[i, side]:
-                aged = True
-    frame = coach.frame[4]
-    coach.s[4] += step_s * (v[0] * frame[3] + v[1] * frame[4] + v[2] * frame[5])
-    heading = math.atan2(coach.rotation[0, 1, 0], coach.rotation[0, 0, 0])
-    turn = heading - coach.old_heading
-    if turn > math.pi:
-        turn -= 2.0 * math.pi
-    elif turn < -math.pi:
-        turn += 2.0 * math.pi
-    if abs(turn) > 0.002:
-        aged = True
-    return 1 if aged else 0

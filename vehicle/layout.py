@@ -54,6 +54,11 @@ COACH = np.dtype(
         ("drive", "f8", (4,)),  # drive torque, Nm
         ("wind_up", "f8", (4,)),  # elastic angle of a stuck caliper, rad
         ("angle", "f8", (4,)),  # spin angle at which wind_up was taken, rad
+        ("steps", "i8"),
+        ("last_v", "f8", (COORDINATES,)),
+        ("algorithmic", "f8", (COORDINATES,)),  # accelerations of the generalised-alpha method
+        ("ahead_q", "f8", (COORDINATES,)),  # the predictor, but for rotation vectors
+        ("ahead_v", "f8", (COORDINATES,)),
         # worked out in every evaluation
         ("rotation", "f8", (BODIES, 3, 3)),
         ("rate", "f8", (BODIES, 3)),  # angular velocity in the world

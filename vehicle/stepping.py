@@ -1,0 +1,135 @@
+"""What happens between two steps of the solver: commit the step that has ended, and look ahead to the next.
+
+The solver (generalised-alpha, one linearised solve a step) evaluates forces at its predictor, the state that follows
+from the last one with zero acceleration at the end of the step. The predictor is worked out here by the same formulas
+(J. Chung, G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375, in the form with algorithmic accelerations), so that one
+compiled call before the step does everything and Exudyn need not call back for forces.
+"""
+
+import math
+
+import numpy as np
+
+from vehicle.forces import add_classes, forces_of_frames
+from vehicle.suspension import body_frames
+from wheel_rail.compiled import Array, Record, compiled
+from wheel_rail.contact import NORMAL, PENETRATION, SECANT, SLIDE, TANGENT
+
+SPECTRAL_RADIUS = 0.1
+ALPHA_M = (2.0 * SPECTRAL_RADIUS - 1.0) / (SPECTRAL_RADIUS + 1.0)
+ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1.0)
+GAMMA = 0.5 + ALPHA_F - ALPHA_M
+BETA = 0.25 * (GAMMA + 0.5) ** 2
+
+_STALE_SHARE = 0.0001
+
+FRESH, AGED, LOST = range(3)
+
+
+@compiled
+def begin_step(
+    q: Array, v: Array, a: Array, f: Array, step_s: float, record: Record, track: Array, adhesion: Array
+) -> int:
+    """Commit the step that has ended in q, v, a (46,) and put the forces of the next step's predictor into f (46,).
+
+    Returns FRESH or AGED for the Jacobian, or LOST when the state is no longer finite.
+    """
+    coach = record[0]
+    for j in range(46):
+        if not math.isfinite(v[j]):
+            return LOST
+    aged = _jacobian_has_aged(step_s, coach)
+    for i in range(4):
+        # the wind-up of a stuck caliper follows the wheel up to what its capacity holds
+        limit = coach.capacity[i] / coach.caliper_stiffness
+        wind_up = coach.wind_up[i] + q[42 + i] - coach.angle[i]
+        coach.wind_up[i] = min(max(wind_up, -limit), limit)
+        coach.angle[i] = q[42 + i]
+    for i in range(5):
+        at = 18 + 6 * i if i < 4 else 0
+        frame = coach.frame[i]
+        coach.s[i] += step_s * (v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5])
+    _to_predictor(q, v, a, step_s, coach)
+    forces_of_frames(coach.ahead_q, coach.ahead_v, coach, track, adhesion)
+    add_classes(coach, f)
+    return AGED if aged else FRESH
+
+
+@compiled
+def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
+    """Whether the forces of the last predictor call for a new Jacobian.
+
+    It is old when the error of a creep slope, times what the slip has moved in the step, makes a false force of 0.01 %
+    of the wheel load (this decides the accuracy at the edge of sliding); when a slope times step over effective mass
+    has changed by over one half; when a wheel has lifted or landed, a brake has caught or let go, or the coach has
+    turned by 2 mrad.
+    """
+    aged = False
+    radius = coach.contact.radius_m
+    unit = coach.spin_inertia / (step_s * radius * radius)
+    for i in range(4):
+        if coach.stuck[i] != coach.old_stuck[i]:
+            aged = True
+        for side in range(2):
+            report = coach.report[i, side]
+            error = abs(report[TANGENT] - coach.old_tangent[i, side])
+            moved = abs(report[SLIDE] - coach.old_slide[i, side])
+            coach.old_slide[i, side] = report[SLIDE]
+            if error * moved > _STALE_SHARE * report[NORMAL] or error > 0.5 * (unit + abs(coach.old_tangent[i, side])):
+                aged = True
+            if abs(report[SECANT] - coach.old_secant[i, side]) > 0.5 * (unit + coach.old_secant[i, side]):
+                aged = True
+            if (report[PENETRATION] > 0.0) != (coach.old_touch[i, side] > 0.0):
+                aged = True
+    turn = math.atan2(coach.rotation[0, 1, 0], coach.rotation[0, 0, 0]) - coach.old_heading
+    if turn > math.pi:
+        turn -= 2.0 * math.pi
+    elif turn < -math.pi:
+        turn += 2.0 * math.pi
+    return aged or abs(turn) > 0.002
+
+
+@compiled
+def _to_predictor(q: Array, v: Array, a: Array, step_s: float, coach: Record) -> None:
+    """Predicted coordinates and velocities into `coach.ahead_q`, `coach.ahead_v`; rotations and rates of the bodies.
+
+    The algorithmic acceleration follows from the velocities: v1 = v0 + h ((1 - gamma) A0 + gamma A1). The rotation
+    vectors of `ahead_q` are left alone, since the forces take rotations from the matrices.
+    """
+    first = coach.steps == 0
+    coach.steps += 1
+    for j in range(46):
+        if first:
+            coach.algorithmic[j] = a[j]
+        else:
+            change = (v[j] - coach.last_v[j]) / step_s
+            coach.algorithmic[j] = (change - (1.0 - GAMMA) * coach.algorithmic[j]) / GAMMA
+        coach.last_v[j] = v[j]
+        now = coach.algorithmic[j]
+        end = (ALPHA_F * a[j] - ALPHA_M * now) / (1.0 - ALPHA_M)
+        coach.ahead_v[j] = v[j] + step_s * ((1.0 - GAMMA) * now + GAMMA * end)
+        # increments; of rotations they are in body axes
+        coach.ahead_q[j] = step_s * v[j] + step_s * step_s * ((0.5 - BETA) * now + BETA * end)
+    body_frames(q, v, coach)
+    turned = np.empty((3, 3))
+    for i in range(7):
+        at = 6 * i
+        r = coach.rotation[i]
+        x, y, z = coach.ahead_q[at + 3], coach.ahead_q[at + 4], coach.ahead_q[at + 5]
+        # exponential map of a turn of well under 0.01 rad, to its fourth order
+        angle2 = x * x + y * y + z * z
+        s, t = 1.0 - angle2 / 6.0, 0.5 - angle2 / 24.0
+        for j in range(3):
+            u0, u1, u2 = r[j, 0], r[j, 1], r[j, 2]
+            # u + s (u x theta)... : row vector times Exp(theta) = I + s [theta] + t [theta]^2
+            p0, p1, p2 = u1 * z - u2 * y, u2 * x - u0 * z, u0 * y - u1 * x
+            turned[j, 0] = u0 + s * p0 + t * (p1 * z - p2 * y)
+            turned[j, 1] = u1 + s * p1 + t * (p2 * x - p0 * z)
+            turned[j, 2] = u2 + s * p2 + t * (p0 * y - p1 * x)
+        x, y, z = coach.ahead_v[at + 3], coach.ahead_v[at + 4], coach.ahead_v[at + 5]
+        for j in range(3):
+            r[j, 0], r[j, 1], r[j, 2] = turned[j, 0], turned[j, 1], turned[j, 2]
+            coach.rate[i, j] = r[j, 0] * x + r[j, 1] * y + r[j, 2] * z
+            coach.ahead_q[at + j] += q[at + j]
+    for j in range(42, 46):
+        coach.ahead_q[j] += q[j]
