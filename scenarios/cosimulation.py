@@ -23,7 +23,7 @@ from scenarios.truth import SolveRecord, Truth
 from sensors import AxleSpeedReadings, Tachometers, random_stream
 from vehicle import Actuation, Coach, CoachState, SolveReport, SolverFailure
 from wheel_rail import Adhesion, ConicalContact, Track
-from wsp import Brake
+from wsp import Brake, ControllerOutput
 
 # numbers of the random streams that hang on the world seed
 RAIL_STREAM = 100
@@ -120,8 +120,7 @@ class _Loop:
         self._actuation = Actuation()
         self._valve = np.zeros(4, np.int8)
         self._answer = np.zeros(4, np.int8)
-        self._output = self._controller.step(0.0, np.zeros(4), np.zeros(4, np.bool_), 0.0, 1, math.nan)
-        self._controller.reset(0.0, 1)
+        self._output = ControllerOutput()
         self._demand = 0.0
         self._steps = 0
         self._ticks = 0

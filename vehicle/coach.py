@@ -231,7 +231,7 @@ class _Run:
             set_parameter(system, "forceVector", force)
             if condition != FRESH:
                 if condition == LOST:
-                    self._lost = f"state not finite at t = {now:.3f} s"
+                    self._lost = f"state or actuation not finite at t = {now:.3f} s"
                     return False
                 convergence = solver.conv
                 convergence.jacobianUpdateRequested = True

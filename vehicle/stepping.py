@@ -32,11 +32,14 @@ def begin_step(
 ) -> int:
     """Commit the step that has ended in q, v, a (46,) and put the forces of the next step's predictor into f (46,).
 
-    Returns FRESH or AGED for the Jacobian, or LOST when the state is no longer finite.
+    Returns FRESH or AGED for the Jacobian, or LOST when the state or the actuation is not finite.
     """
     coach = record[0]
     for j in range(46):
         if not math.isfinite(v[j]):
+            return LOST
+    for i in range(4):
+        if not math.isfinite(coach.capacity[i] + coach.drive[i]):
             return LOST
     aged = _jacobian_has_aged(step_s, coach)
     for i in range(4):
