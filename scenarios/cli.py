@@ -92,6 +92,29 @@ def check(
         typer.echo(f"{file}: scenario {loaded.name} is valid")
 
 
+@app.command()
+def bench(
+    rounds: Annotated[int, typer.Option(min=1, help="How often everything is measured, in turn.")] = 5,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="Write medians and all values to this file.")
+    ] = None,
+) -> None:
+    """Measure the speed of the solve on this machine, as medians and as ratios in one run."""
+    with _exit_codes():
+        use_compile_cache()
+        from rich.console import Console
+
+        from scenarios.bench import benchmark_table, run_benchmarks, write_benchmarks
+
+        if json_file is not None:
+            write_benchmarks(json_file, [])  # whether it can be written shows before the work
+        with Console(stderr=True).status("measuring") as status:
+            rows = run_benchmarks(rounds, lambda k: status.update(f"measuring, round {k + 1} of {rounds}"))
+        Console().print(benchmark_table(rows))
+        if json_file is not None:
+            write_benchmarks(json_file, rows)
+
+
 @app.command(name="list")
 def list_names() -> None:
     """List scenarios, controllers, estimators and presets."""

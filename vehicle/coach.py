@@ -26,12 +26,12 @@ from typing import Any
 import numpy as np
 
 from vehicle.forces import coach_force, coach_jacobian
-from vehicle.layout import COORDINATES, SPIN, centres, coach_record
+from vehicle.layout import BODIES, COORDINATES, SPIN
 from vehicle.observation import observe
 from vehicle.parameters import CoachParameters
+from vehicle.start import start_state
 from vehicle.stepping import FRESH, LOST, SPECTRAL_RADIUS, begin_step
 from wheel_rail import Adhesion, ConicalContact, Track
-from wheel_rail.track import track_frame
 
 
 class SolverFailure(RuntimeError):
@@ -110,13 +110,12 @@ class Coach:
         raised again here. Raises SolverFailure when the state stops being finite or the solver gives up.
         """
         exu = load_exudyn()
-        record = coach_record(self.parameters, self._contact)
-        coach = record[0]
-        coach["cell_m"] = self._adhesion.cell_m
-        coach["track_origin_m"] = self._track.origin_m
+        record, q, v = start_state(
+            self.parameters, self._contact, self._track, self._adhesion, initial_position_m, initial_speed_mps
+        )
         container = exu.SystemContainer()  # owns the system: it must outlive the solve
         mbs = container.AddSystem()
-        system = self._assemble(mbs, record, initial_position_m, initial_speed_mps)
+        system = _assemble(mbs, record, q, v)
         solver = exu.MainSolverImplicitSecondOrder()
         run = _Run(mbs, system, solver, record, self._track.table, self._adhesion.table, step_s, on_step)
         settings = _settings(exu, step_s, longest_s)
@@ -139,47 +138,34 @@ class Coach:
             jacobians=run.jacobians,
         )
 
-    def _assemble(self, mbs: Any, record: np.ndarray, position_m: float, speed_mps: float) -> int:
-        """Add bodies, spins and the object that carries all forces; returns that object's number."""
-        from exudyn.itemInterface import (
-            Node1D,
-            NodeRigidBodyRotVecLG,
-            ObjectGenericODE2,
-            ObjectRigidBody,
-            ObjectRotationalMass1D,
-        )
 
-        coach = record[0]
-        nodes = []
-        frame = np.empty(14)
-        for i, (x, _, z) in enumerate(centres(self.parameters)):
-            track_frame(position_m + x, self._track.origin_m, self._track.table, frame)
-            place = frame[:3] + z * frame[9:12]
-            turn = _rotation_vector(np.stack([frame[3:6], frame[6:9], frame[9:12]], axis=1))
-            node = mbs.AddNode(
-                NodeRigidBodyRotVecLG(
-                    initialCoordinates=[*place, *turn], initialVelocities=[*(speed_mps * frame[3:6]), 0.0, 0.0, 0.0]
-                )
-            )
-            mbs.AddObject(
-                ObjectRigidBody(
-                    mass=float(coach["mass"][i]), inertia=[*map(float, coach["inertia"][i]), 0, 0, 0], nodeNumber=node
-                )
-            )
-            nodes.append(node)
-            if i != 1 and i != 2:
-                coach["s"][i - 3 if i else 4] = position_m + x
-        for _ in range(4):
-            rate = speed_mps / float(coach["contact"]["radius_m"])
-            node = mbs.AddNode(Node1D(referenceCoordinates=[0.0], initialCoordinates=[0.0], initialVelocities=[rate]))
-            mbs.AddObject(ObjectRotationalMass1D(inertia=float(coach["spin_inertia"]), nodeNumber=node))
-            nodes.append(node)
-        number: int = mbs.AddObject(
-            ObjectGenericODE2(
-                nodeNumbers=nodes, massMatrix=np.zeros((COORDINATES, COORDINATES)), forceVector=np.zeros(COORDINATES)
-            )
-        )
-        return number
+def _assemble(mbs: Any, record: np.ndarray, q: np.ndarray, v: np.ndarray) -> int:
+    """Add bodies, spins and the object that carries all forces, at q, v (46,); returns that object's number."""
+    from exudyn.itemInterface import (
+        Node1D,
+        NodeRigidBodyRotVecLG,
+        ObjectGenericODE2,
+        ObjectRigidBody,
+        ObjectRotationalMass1D,
+    )
+
+    coach = record[0]
+    nodes = []
+    for i in range(BODIES):
+        own = slice(6 * i, 6 * i + 6)
+        node = mbs.AddNode(NodeRigidBodyRotVecLG(initialCoordinates=[*q[own]], initialVelocities=[*v[own]]))
+        inertia = [*map(float, coach["inertia"][i]), 0.0, 0.0, 0.0]
+        mbs.AddObject(ObjectRigidBody(mass=float(coach["mass"][i]), inertia=inertia, nodeNumber=node))
+        nodes.append(node)
+    for i in range(SPIN, COORDINATES):
+        node = mbs.AddNode(Node1D(referenceCoordinates=[0.0], initialCoordinates=[q[i]], initialVelocities=[v[i]]))
+        mbs.AddObject(ObjectRotationalMass1D(inertia=float(coach["spin_inertia"]), nodeNumber=node))
+        nodes.append(node)
+    no_mass = np.zeros((COORDINATES, COORDINATES))
+    number: int = mbs.AddObject(
+        ObjectGenericODE2(nodeNumbers=nodes, massMatrix=no_mass, forceVector=np.zeros(COORDINATES))
+    )
+    return number
 
 
 class _Run:
@@ -271,12 +257,6 @@ def load_exudyn() -> ModuleType:
         import exudyn
     exudyn.config.printToConsole = False
     return exudyn
-
-
-def _rotation_vector(rotation: np.ndarray) -> np.ndarray:
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_matrix(rotation).as_rotvec()
 
 
 def _settings(exu: ModuleType, step_s: float, longest_s: float) -> Any:

@@ -6,8 +6,9 @@ import numpy as np
 from scipy.linalg import eigh
 
 from vehicle.forces import coach_force
-from vehicle.layout import BODIES, COORDINATES, SPIN, centres, coach_record
+from vehicle.layout import BODIES, COORDINATES, SPIN
 from vehicle.parameters import CoachParameters
+from vehicle.start import start_state
 from wheel_rail import Adhesion, AdhesionParameters, ConicalContact, Track, TrackParameters
 
 _STEP_M = 1e-6
@@ -33,16 +34,8 @@ def stiffness_matrix(parameters: CoachParameters, speed_mps: float) -> tuple[np.
     track = Track(TrackParameters(length_m=_STRAIGHT_M))
     dry = AdhesionParameters.model_validate({"stretches": [{"from_m": 0.0, "surface": "dry", "peak_adhesion": 0.3}]})
     adhesion = Adhesion(dry, _STRAIGHT_M, contact, np.random.default_rng(0))
-    record = coach_record(parameters, contact)
+    record, q, v = start_state(parameters, contact, track, adhesion, 0.5 * _STRAIGHT_M, speed_mps)
     coach = record[0]
-    coach["cell_m"], coach["track_origin_m"] = adhesion.cell_m, track.origin_m
-    q, v = np.zeros(COORDINATES), np.zeros(COORDINATES)
-    for i, centre in enumerate(centres(parameters)):
-        q[6 * i : 6 * i + 3] = centre
-        q[6 * i] += 0.5 * _STRAIGHT_M
-        v[6 * i] = speed_mps
-    v[SPIN:] = speed_mps / contact.radius_m
-    coach["s"] = (*q[18:SPIN:6], q[0])
 
     def force(at: np.ndarray) -> np.ndarray:
         f = np.empty(COORDINATES)

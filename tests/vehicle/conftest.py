@@ -24,6 +24,7 @@ class Bench:
     """A coach on its line; `run` returns the observations every 5 ms."""
 
     parameters: CoachParameters
+    contact: ConicalContact
     track: Track
     adhesion: Adhesion
     coach: Coach
@@ -76,6 +77,6 @@ def make_bench(parameters: CoachParameters) -> MakeBench:
             {"stretches": [{"from_m": 0.0, "surface": surface, "peak_adhesion": peak_adhesion}]}
         )
         adhesion = Adhesion(rail, track_parameters.length_m, contact, np.random.default_rng(1))
-        return Bench(parameters, track, adhesion, Coach(parameters, contact, track, adhesion))
+        return Bench(parameters, contact, track, adhesion, Coach(parameters, contact, track, adhesion))
 
     return make

@@ -7,22 +7,13 @@ from hypothesis import strategies as st
 
 from tests.vehicle.conftest import Bench, MakeBench
 from vehicle.forces import GRAVITY, SUSPENSION, coach_force, coach_jacobian, forces_by_class
-from vehicle.layout import BODIES, COORDINATES, SPIN, centres, coach_record
+from vehicle.layout import BODIES, COORDINATES, SPIN
+from vehicle.start import start_state
 
 
 def at_rest(bench: Bench, speed_mps: float = 20.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Record, q and v of the coach standing in its suspension on level straight track, rolling."""
-    record = coach_record(bench.parameters, bench.coach._contact)
-    coach = record[0]
-    coach["cell_m"], coach["track_origin_m"] = bench.adhesion.cell_m, bench.track.origin_m
-    q, v = np.zeros(COORDINATES), np.zeros(COORDINATES)
-    for i, centre in enumerate(centres(bench.parameters)):
-        q[6 * i : 6 * i + 3] = centre
-        q[6 * i] += 100.0
-        v[6 * i] = speed_mps
-    v[SPIN:] = speed_mps / 0.46
-    coach["s"] = (*q[18:SPIN:6], q[0])
-    return record, q, v
+    return start_state(bench.parameters, bench.contact, bench.track, bench.adhesion, 100.0, speed_mps)
 
 
 def test_static_wheel_loads(make_bench: MakeBench) -> None:

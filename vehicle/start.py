@@ -1,0 +1,39 @@
+"""The coach standing in its suspension on the track, its wheels rolling: where every run and every analysis starts."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from vehicle.layout import BODIES, COORDINATES, SPIN, centres, coach_record
+from vehicle.parameters import CoachParameters
+from wheel_rail import Adhesion, ConicalContact, Track
+from wheel_rail.track import track_frame
+
+
+def start_state(
+    parameters: CoachParameters,
+    contact: ConicalContact,
+    track: Track,
+    adhesion: Adhesion,
+    position_m: float,
+    speed_mps: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Record for the compiled routines, coordinates q and velocities v (46,).
+
+    Every body stands square to the track at its own place, at the height of static equilibrium on level straight track.
+    """
+    record = coach_record(parameters, contact)
+    coach = record[0]
+    coach["cell_m"] = adhesion.cell_m
+    coach["track_origin_m"] = track.origin_m
+    q, v = np.zeros(COORDINATES), np.zeros(COORDINATES)
+    frame = np.empty(14)
+    for i, (x, _, z) in enumerate(centres(parameters)):
+        track_frame(position_m + x, track.origin_m, track.table, frame)
+        axes = frame[3:12].reshape(3, 3)
+        q[6 * i : 6 * i + 3] = frame[:3] + z * axes[2]
+        q[6 * i + 3 : 6 * i + 6] = Rotation.from_matrix(axes.T).as_rotvec()
+        v[6 * i : 6 * i + 3] = speed_mps * axes[0]
+        if i == 0 or i >= BODIES - 4:
+            coach["s"][i - 3 if i else 4] = position_m + x
+    v[SPIN:] = speed_mps / contact.radius_m
+    return record, q, v
