@@ -14,9 +14,10 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from scenarios.cosimulation import Line, simulate
+from scenarios.cosimulation import Line, loop_period_s, simulate
 from scenarios.errors import BadInput, Fault
 from scenarios.scenario_file import load_scenario
+from vehicle import Actuation, Coach
 from vehicle.forces import coach_force
 from vehicle.start import start_state
 from wheel_rail.compiled import Array, Record, compiled
@@ -48,6 +49,7 @@ def run_benchmarks(rounds: int, on_round: Callable[[int], None]) -> list[Benchma
     record, q, v = start_state(coach, line.contact, line.track, line.adhesion, 100.0, 30.0)
     arguments = (q, v, np.empty_like(q), record, line.track.table, line.adhesion.table)
     _forces(1, *arguments)
+    no_actuation = Actuation()
     values: dict[tuple[str, str], list[float]] = {}
 
     def note(name: str, unit: str, value: float) -> None:
@@ -61,6 +63,11 @@ def run_benchmarks(rounds: int, on_round: Callable[[int], None]) -> list[Benchma
         note("force routine, compiled, alone", "us per call", 1e6 * force_s)
         note("force routine over interpreter loop", "ratio", force_s / loop_s)
         for step, scenario in scenarios.items():
+            idle = Coach(coach, line.contact, line.track, line.adhesion)
+            report = idle.run(
+                step, 10.0, 100.0, 30.0, lambda t_s, state: no_actuation, loop_period_s(scenario.simulation)
+            )
+            note(f"coach alone, rolling, {1000 * step:g} ms: step", "us", 1e6 * report.wall_s / report.steps)
             truth = simulate(scenario, lambda *_: None, lambda: False)
             per_step_s = truth.solve.wall_s / (truth.solve.simulated_s / step)
             label = f"{SCENARIO}, {1000 * step:g} ms"

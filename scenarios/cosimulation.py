@@ -1,12 +1,13 @@
 """The co-simulation: coach, brake, tachometers, wheel slide protection and driver in one loop.
 
-Order within the base step from t_k to t_k+1, at the state of t_k:
+The loop has a period of its own: 5 ms, or less where step or record period ask for it (`loop_period_s`). Order within a
+period from t_k to t_k+1, at the state of t_k:
 1. at whole ticks (10 ms): the tachometers look at the wheels' angles; what the controller answered one tick ago comes
    into force; it reads the new tick and answers for the next one (every link latches: inputs of tick k act from tick
    k+1); the driver does the same at its own ticks (0.1 s);
 2. the recorder, at its own period, writes down what is true at t_k;
 3. the brake plant advances to t_k+1 with the valve commands in force; the torque capacity that it then has acts on the
-   coach throughout the step.
+   coach throughout the period.
 """
 
 import math
@@ -18,7 +19,7 @@ import numpy as np
 from scenarios.driver import Driver
 from scenarios.errors import RunInterrupted, SolveFailed
 from scenarios.recorder import Recorder
-from scenarios.schema import TICK_S, Scenario
+from scenarios.schema import TICK_S, Scenario, SimulationParameters
 from scenarios.truth import SolveRecord, Truth
 from sensors import AxleSpeedReadings, Tachometers, random_stream
 from vehicle import Actuation, Coach, CoachState, SolveReport, SolverFailure
@@ -35,7 +36,18 @@ DRIVER_PERIOD_S = 0.1
 _TICKS_PER_DRIVER = round(DRIVER_PERIOD_S / TICK_S)
 _PROGRESS_TICKS = 20
 
+LONGEST_LOOP_PERIOD_S = 0.005
+
 OnProgress = Callable[[float, float, float], None]
+
+
+def loop_period_s(simulation: SimulationParameters) -> float:
+    """Period of brake plant and recorder: the longest one up to 5 ms that is a whole multiple of the step and goes
+    into the record period (which goes into the tick)."""
+    step = simulation.step_s
+    steps_per_record = round(simulation.record_period_s / step)
+    fitting = [n for n in range(1, steps_per_record + 1) if steps_per_record % n == 0]
+    return max(n * step for n in fitting if n == 1 or n * step <= LONGEST_LOOP_PERIOD_S + 1e-9)
 
 
 class Line:
@@ -43,6 +55,8 @@ class Line:
 
     def __init__(self, scenario: Scenario) -> None:
         coach = scenario.coach
+        # from the coach's centre to its outer wheelsets
+        self.reach_m = 0.5 * (coach.bogie_distance_m + coach.wheelbase_m)
         self.contact = ConicalContact(coach.contact, 0.5 * coach.wheelset.wheel_diameter_m, coach.static_wheel_load_n)
         self.track = Track(scenario.track)
         self.adhesion = Adhesion(
@@ -51,6 +65,10 @@ class Line:
             self.contact,
             random_stream(scenario.scenario.world_seed, RAIL_STREAM, 0),
         )
+
+    def holds(self, position_m: float) -> bool:
+        """Whether all wheelsets of a coach whose centre is at `position_m` are on the line."""
+        return self.reach_m <= position_m <= self.track.length_m - self.reach_m
 
 
 def simulate(scenario: Scenario, on_progress: OnProgress, stop_requested: Callable[[], bool]) -> Truth:
@@ -71,12 +89,14 @@ def simulate(scenario: Scenario, on_progress: OnProgress, stop_requested: Callab
             simulation.initial_position_m,
             simulation.initial_speed_kmh / 3.6,
             loop.on_step,
+            loop.period_s,
         )
     except SolverFailure as failure:
         raise SolveFailed(str(failure), loop.truth(None) if loop.has_rows else None) from failure
     if loop.off_the_line:
         raise SolveFailed(
-            f"the coach ran past the end of the track, track.length_m = {scenario.track.length_m}, without stopping",
+            f"the coach left the track, which reaches from 0 to track.length_m = {scenario.track.length_m}, "
+            f"after t = {report.simulated_s:.1f} s without stopping",
             loop.truth(report),
         )
     return loop.truth(report)
@@ -86,9 +106,8 @@ def _compile(scenario: Scenario, line: Line, coach: Coach) -> None:
     """Two ticks into the air, so that compiling (or loading) the hot code does not count as solving."""
     loop = _Loop(scenario, line, lambda *_: None, lambda: False)
     simulation = scenario.simulation
-    coach.run(
-        simulation.step_s, 2 * TICK_S, simulation.initial_position_m, simulation.initial_speed_kmh / 3.6, loop.on_step
-    )
+    speed_mps = simulation.initial_speed_kmh / 3.6
+    coach.run(simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_step, loop.period_s)
 
 
 class _Loop:
@@ -102,12 +121,10 @@ class _Loop:
         self._on_progress = on_progress
         self._stop_requested = stop_requested
         simulation = scenario.simulation
-        self._steps_per_tick = round(TICK_S / simulation.step_s)
-        self._steps_per_record = round(simulation.record_period_s / simulation.step_s)
+        self.period_s = loop_period_s(simulation)
+        self._periods_per_tick = round(TICK_S / self.period_s)
+        self._periods_per_record = round(simulation.record_period_s / self.period_s)
         self._radius_m = 0.5 * scenario.coach.wheelset.wheel_diameter_m
-        # half the coach and a metre hang over behind and before its centre
-        self._reach_m = 0.5 * (scenario.coach.bogie_distance_m + scenario.coach.wheelbase_m) + 1.0
-
         self._tachometers = Tachometers(
             scenario.tachometers, random_stream(scenario.scenario.world_seed, TACHOMETER_STREAM, 0)
         )
@@ -115,14 +132,14 @@ class _Loop:
         self._controller.reset(0.0, 1)
         self._ticks_per_control = round(self._controller.period_s / TICK_S)
         self._driver = Driver(scenario.driver, DRIVER_PERIOD_S)
-        self._brake = Brake(scenario.brake, simulation.step_s)
+        self._brake = Brake(scenario.brake, self.period_s)
         self._recorder = Recorder()
         self._actuation = Actuation()
         self._valve = np.zeros(4, np.int8)
         self._answer = np.zeros(4, np.int8)
         self._output = ControllerOutput()
         self._demand = 0.0
-        self._steps = 0
+        self._periods = 0
         self._ticks = 0
         self._moved = False
         self._still_ticks = 0
@@ -134,16 +151,16 @@ class _Loop:
     @property
     def has_rows(self) -> bool:
         """Whether anything has been recorded."""
-        return self._steps > 0
+        return self._periods > 0
 
     def on_step(self, t_s: float, state: CoachState) -> Actuation | None:
         """The coach's callback; see the module's description for the order."""
-        steps = self._steps
-        if steps % self._steps_per_tick == 0 and not self._tick(t_s, state):
+        periods = self._periods
+        if periods % self._periods_per_tick == 0 and not self._tick(t_s, state):
             return None
-        if steps % self._steps_per_record == 0:
+        if periods % self._periods_per_record == 0:
             self._recorder.record(t_s, state, self._demand, self._brake, self._tachometers.axle_speed_mps, self._output)
-        self._steps = steps + 1
+        self._periods = periods + 1
         actuation = self._actuation
         actuation.brake_torque_nm = self._brake.step(self._demand, self._valve)
         return actuation
@@ -155,8 +172,8 @@ class _Loop:
             if self._stop_requested():
                 raise RunInterrupted
             self._on_progress(t_s, position_m, speed_mps)
-        if not self._reach_m < position_m < self._line.track.length_m - self._reach_m:
-            self.off_the_line = position_m > self._reach_m
+        if not self._line.holds(position_m):
+            self.off_the_line = True
         tachometers = self._tachometers
         tachometers.advance(t_s, state.wheel_angle_rad, state.wheel_rate_radps)
         self._speeds.append(tachometers.axle_speed_mps.copy())
@@ -190,7 +207,7 @@ class _Loop:
         """The streams recorded; `report` None when the solve broke down."""
         line = self._line
         ended: Literal["standstill", "time"] = "standstill" if self.stopped else "time"
-        simulated_s = self._steps * self._scenario.simulation.step_s
+        simulated_s = report.simulated_s if report else self._periods * self.period_s
         ticks = TICK_S * np.arange(len(self._speeds), dtype=np.float64)
         return Truth(
             motion=self._recorder.motion_stream(line.track),

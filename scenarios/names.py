@@ -132,6 +132,7 @@ def _class_from_file(kind: str, name: str) -> Any:
     parameters = getattr(found, "Parameters", None)
     if not (isinstance(parameters, type) and issubclass(parameters, BaseModel)):
         raise UnknownName(f"{kind} {name!r} needs a nested pydantic model called Parameters")
-    if not callable(getattr(found, "step", None)):
-        raise UnknownName(f"{kind} {name!r} needs a method called step")
+    for method in ("reset", "step"):
+        if not callable(getattr(found, method, None)):
+            raise UnknownName(f"{kind} {name!r} needs a method called {method}")
     return found

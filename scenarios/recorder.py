@@ -17,7 +17,7 @@ _STILL_MPS = 0.1  # below this slip has no meaning and is recorded as zero
 class Recorder:
     """One row of coach and brake per call of `record`."""
 
-    _BRAKE_COLUMNS = 22
+    _BRAKE_COLUMNS = 21
 
     def __init__(self) -> None:
         self._motion = np.zeros(8192, OBSERVATION)

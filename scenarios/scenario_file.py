@@ -10,8 +10,8 @@ from pydantic import BaseModel
 from scenarios.errors import BadInput, Fault
 from scenarios.faults import table_fault, unknown_key, validate_section
 from scenarios.layers import Layer, Merged, Tree, parse_setting, read_toml
-from scenarios.names import UnknownName, find_class, find_file
-from scenarios.schema import Scenario
+from scenarios.names import UnknownName, display_name, find_class, find_file
+from scenarios.schema import TICK_S, Scenario
 from sensors import Imu
 
 COMPOSED = ("wsp", "estimators")
@@ -150,11 +150,29 @@ def _validated(merged: Merged, faults: list[Fault]) -> Scenario | None:
 
 def _contradictions(scenario: Scenario, merged: Merged) -> Iterator[Fault]:
     """What is right by itself but not together."""
+    from scenarios.cosimulation import Line  # brings compiled code along, which only a valid scenario needs
+
     simulation = scenario.simulation
-    if simulation.initial_position_m > scenario.track.length_m:
-        source = merged.origin(("simulation", "initial_position_m"))
-        key = f"simulation.initial_position_m = {simulation.initial_position_m}"
-        yield Fault(source, key, f"must lie on the track, which is {scenario.track.length_m} m long")
+    try:
+        line = Line(scenario)
+    except ValueError as error:
+        yield table_fault(merged, (), str(error))
+    else:
+        if not line.holds(simulation.initial_position_m):
+            source = merged.origin(("simulation", "initial_position_m"))
+            key = f"simulation.initial_position_m = {simulation.initial_position_m}"
+            last = line.track.length_m - line.reach_m
+            yield Fault(source, key, f"the whole coach must stand on the track: {line.reach_m} to {last} m")
+    period_s = getattr(scenario.make_controller(), "period_s", None)
+    ticks = period_s / TICK_S if isinstance(period_s, int | float) else 0.0
+    if round(ticks) < 1 or abs(ticks - round(ticks)) > 1e-9:
+        key = f"wsp.controller = {scenario.wsp.controller!r}"
+        must = f"its period_s = {period_s} must be a whole multiple of {TICK_S}"
+        yield Fault(merged.origin(("wsp", "controller")), key, must)
+    shown = [display_name(name) for name in scenario.estimators.names]
+    if len(set(shown)) < len(shown):
+        key = f"estimators.names = {list(scenario.estimators.names)!r}"
+        yield Fault(merged.origin(("estimators", "names")), key, "two classes of one name: tables and files need two")
     try:
         Imu(scenario.imu, simulation.record_period_s, scenario.scenario.sensor_seed)
     except ValueError as error:

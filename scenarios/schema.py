@@ -1,7 +1,7 @@
 """The scenario as one validated object: the sections of a scenario file, composed of the packages' parameter models."""
 
 import math
-from typing import Any, Self
+from typing import Self
 
 from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, field_validator, model_validator
 
@@ -16,7 +16,6 @@ from wsp import BrakeParameters, Controller
 STEPS_S = (0.005, 0.0025, 0.002, 0.001, 0.0005)
 TICK_S = 0.01
 """Period of tachometers and WSP; steps and record periods divide it."""
-DEFAULT_RECORD_PERIOD_S = 0.005
 
 
 class Section(BaseModel):
@@ -42,27 +41,12 @@ class SimulationParameters(Section):
     """[simulation]: step, recording, initial state and end."""
 
     step_s: float = Field(description=f"one of {', '.join(map(str, STEPS_S))}")
-    record_period_s: float = Field(description="a whole multiple of step_s that divides 0.01")
+    record_period_s: float = Field(default=TICK_S, description="a whole multiple of step_s that divides 0.01")
     longest_s: float = Field(
         default=600.0, ge=1.0, le=36_000.0, description="the run ends here if the coach has not stopped"
     )
     initial_speed_kmh: float = Field(ge=0.0, le=400.0)
     initial_position_m: float = Field(default=50.0, ge=0.0, le=100_000.0, description="of the carbody's centre")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _record_period_follows_step(cls, values: Any) -> Any:
-        """Without a record period: the shortest one from 5 ms up that the step allows."""
-        if isinstance(values, dict) and "record_period_s" not in values:
-            step_s = values.get("step_s")
-            if step_s not in STEPS_S:  # refused further on
-                return {**values, "record_period_s": DEFAULT_RECORD_PERIOD_S}
-            periods = (n * step_s for n in range(1, round(TICK_S / step_s) + 1))
-            fitting = [
-                period for period in periods if _divides(period, TICK_S) and period > DEFAULT_RECORD_PERIOD_S - 1e-9
-            ]
-            return {**values, "record_period_s": round(fitting[0], 6)}
-        return values
 
     @field_validator("step_s")
     @classmethod

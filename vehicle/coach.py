@@ -7,9 +7,9 @@ and a stale Jacobian makes false creep forces and chatter at standstill; at 0.1 
 body and bogie modes, slow against the step, stay undamped. A wheel that regains grip below about 2 m/s may shoot over
 for a step of 5 ms.
 
-Order within a step from t_k to t_k+1: the state of t_k is observed and handed to `on_step`; what that returns acts
-throughout the step. So the actuation answers a state with no delay beyond the step itself; any delay of valves or
-controllers is the callback's own.
+The callback has a period of its own, a whole multiple of the step. At each of its instants t_k the state of t_k is
+handed to `on_step`; what that returns acts from t_k until the next instant. So the actuation answers a state with no
+delay beyond its period; any delay of valves or controllers is the callback's own.
 """
 
 import contextlib
@@ -56,7 +56,7 @@ class CoachState:
     def __init__(
         self, q: np.ndarray, v: np.ndarray, record: np.ndarray, track: np.ndarray, adhesion: np.ndarray
     ) -> None:
-        self._arguments = (q, v, record, track, adhesion)
+        self._arguments = (q, v, record, record.copy(), track, adhesion)
         self._velocity = v[:3]
         self._places = record[0]["s"]
         self.wheel_angle_rad = q[SPIN:]
@@ -102,12 +102,19 @@ class Coach:
         self._contact = contact
 
     def run(
-        self, step_s: float, longest_s: float, initial_position_m: float, initial_speed_mps: float, on_step: OnStep
+        self,
+        step_s: float,
+        longest_s: float,
+        initial_position_m: float,
+        initial_speed_mps: float,
+        on_step: OnStep,
+        period_s: float,
     ) -> SolveReport:
         """Integrate from the place and speed given until `on_step` returns None or `longest_s` is over.
 
-        The coach starts at rest in its suspension, its wheels rolling. Exceptions of `on_step` end the run and are
-        raised again here. Raises SolverFailure when the state stops being finite or the solver gives up.
+        `on_step` is called every `period_s`, a whole multiple of `step_s`. The coach starts at rest in its suspension,
+        its wheels rolling. Exceptions of `on_step` end the run and are raised again here. Raises SolverFailure when the
+        state stops being finite or the solver gives up.
         """
         exu = load_exudyn()
         record, q, v = start_state(
@@ -117,7 +124,10 @@ class Coach:
         mbs = container.AddSystem()
         system = _assemble(mbs, record, q, v)
         solver = exu.MainSolverImplicitSecondOrder()
-        run = _Run(mbs, system, solver, record, self._track.table, self._adhesion.table, step_s, on_step)
+        every = round(period_s / step_s)
+        if every < 1 or abs(every * step_s - period_s) > 1e-9:
+            raise ValueError(f"period_s = {period_s}: must be a whole multiple of step_s = {step_s}")
+        run = _Run(mbs, system, solver, record, self._track.table, self._adhesion.table, step_s, on_step, every)
         settings = _settings(exu, step_s, longest_s)
         collecting = gc.isenabled()
         gc.disable()  # a callback makes no cycles, and the collector would look through everything again and again
@@ -130,7 +140,7 @@ class Coach:
                 gc.enable()
         run.raise_what_happened(bool(reached))
         return SolveReport(
-            simulated_s=run.t_s,
+            simulated_s=run.steps * step_s,
             wall_s=wall,
             step_s=step_s,
             exudyn_build=exu.config.Version(True),
@@ -181,6 +191,7 @@ class _Run:
         adhesion: np.ndarray,
         step_s: float,
         on_step: OnStep,
+        every: int,
     ) -> None:
         self.t_s = 0.0
         self.steps = 0
@@ -200,24 +211,25 @@ class _Run:
             return jacobian
 
         def pre_step(_mbs: Any, _end_s: float) -> bool:
-            # Exudyn names the end of the step, summed up: the start by counting is free of its rounding
-            now = self.steps * step_s
-            try:
-                answer = on_step(now, state)
-            except BaseException as error:  # nothing may pass through the solver's own code
-                self._raised = error
-                return False
-            self.t_s = now
-            if answer is None:
-                return False
-            self.steps += 1
-            capacity[:] = answer.brake_torque_nm
-            drive[:] = answer.drive_torque_nm
+            steps = self.steps
+            if steps % every == 0:
+                # Exudyn names the end of the step, summed up: the start by counting is free of its rounding
+                self.t_s = steps * step_s
+                try:
+                    answer = on_step(self.t_s, state)
+                except BaseException as error:  # nothing may pass through the solver's own code
+                    self._raised = error
+                    return False
+                if answer is None:
+                    return False
+                capacity[:] = answer.brake_torque_nm
+                drive[:] = answer.drive_torque_nm
+            self.steps = steps + 1
             condition = begin_step(q, v, a, force, step_s, record, track, adhesion)
             set_parameter(system, "forceVector", force)
             if condition != FRESH:
                 if condition == LOST:
-                    self._lost = f"state or actuation not finite at t = {now:.3f} s"
+                    self._lost = f"state or actuation not finite at t = {steps * step_s:.4f} s"
                     return False
                 convergence = solver.conv
                 convergence.jacobianUpdateRequested = True
@@ -242,7 +254,7 @@ class _Run:
         if self._raised is not None:
             raise self._raised
         if self._lost is None and not reached:
-            self._lost = f"the solver gave up after t = {self.t_s:.3f} s"
+            self._lost = f"the solver gave up after t = {self.steps * self._step_s:.4f} s"
         if self._lost is not None:
             raise SolverFailure(
                 f"{self._lost}, at s = {self._state.position_m:.1f} m, with a step of {1000 * self._step_s:g} ms: "

@@ -48,10 +48,29 @@ OBSERVATION = np.dtype(
 
 @compiled
 def observe(
-    t_s: float, q: Array, v: Array, record: Record, track: Array, adhesion: Array, rows: Record, row: int
+    t_s: float,
+    q: Array,
+    v: Array,
+    record: Record,
+    watching: Record,
+    track: Array,
+    adhesion: Array,
+    rows: Record,
+    row: int,
 ) -> None:
-    """Write the observation at time t and state q, v into `rows[row]` (dtype OBSERVATION)."""
-    coach = record[0]
+    """Write the observation at time t and state q, v into `rows[row]` (dtype OBSERVATION).
+
+    The forces are worked out in `watching`, a record of the same coach, so that watching does not touch the run.
+    """
+    coach = watching[0]
+    running = record[0]
+    for i in range(5):
+        coach.s[i] = running.s[i]
+    for i in range(4):
+        coach.capacity[i] = running.capacity[i]
+        coach.drive[i] = running.drive[i]
+        coach.wind_up[i] = running.wind_up[i]
+        coach.angle[i] = running.angle[i]
     forces_by_class(q, v, coach, track, adhesion)
     out = rows[row]
     force = coach.force

@@ -41,7 +41,6 @@ def begin_step(
     for i in range(4):
         if not math.isfinite(coach.capacity[i] + coach.drive[i]):
             return LOST
-    aged = _jacobian_has_aged(step_s, coach)
     for i in range(4):
         # the wind-up of a stuck caliper follows the wheel up to what its capacity holds
         limit = coach.capacity[i] / coach.caliper_stiffness
@@ -55,12 +54,12 @@ def begin_step(
     _to_predictor(q, v, a, step_s, coach)
     forces_of_frames(coach.ahead_q, coach.ahead_v, coach, track, adhesion)
     add_classes(coach, f)
-    return AGED if aged else FRESH
+    return AGED if _jacobian_has_aged(step_s, coach) else FRESH
 
 
 @compiled
 def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
-    """Whether the forces of the last predictor call for a new Jacobian.
+    """Whether the forces at the predictor call for a new Jacobian.
 
     It is old when the error of a creep slope, times what the slip has moved in the step, makes a false force of 0.01 %
     of the wheel load (this decides the accuracy at the edge of sliding); when a slope times step over effective mass

@@ -95,10 +95,13 @@ class Adhesion:
         self.peak = np.empty(n)
         law = np.empty((n, 5))
         starts = [stretch.from_m for stretch in parameters.stretches] + [np.inf]
+        # a stream for each stretch, and the field drawn over the whole line: changing one stretch, or moving its
+        # border, leaves the rest of the rail alone
+        streams = rng.spawn(len(parameters.stretches))
         for k, stretch in enumerate(parameters.stretches):
             inside = (s >= starts[k]) & (s < starts[k + 1])
-            # the whole field is drawn for every stretch, so that moving a border leaves the rest of the rail alone
-            field = _random_field(n, stretch.correlation_length_m, rng) if stretch.spread > 0.0 else np.zeros(n)
+            varies = stretch.spread > 0.0
+            field = _random_field(n, stretch.correlation_length_m, streams[k]) if varies else np.zeros(n)
             peak = stretch.peak_adhesion + stretch.spread * field
             surface = SURFACES[stretch.surface]
             self.peak[inside] = peak[inside]

@@ -26,11 +26,8 @@ def _over_root(x: float) -> float:
 @compiled
 def rail_law(s_m: float, side: int, cell_m: float, table: Array, law: Array) -> None:
     """Friction-law parameters (mu0, A, B, kA, kS) of one rail (0 left, 1 right) at s, into `law` (5,)."""
-    u = s_m / cell_m
+    u = max(s_m / cell_m, 0.0)
     k = int(u)
-    if k < 0:
-        k = 0
-        u = 0.0
     last = table.shape[1] - 2
     if k > last:
         k = last

@@ -11,7 +11,7 @@ Conventions of the package:
 - Speeds in m/s at the rim, positive forward; `direction` of travel +1 or -1. Slip (v - rim)/v, positive when the rim
   is slower.
 - Demand 0..1 of full service. Valve codes FILL, HOLD, VENT = 0, 1, 2 (`wsp.valves`).
-- Time: `Brake.step` covers one base step from t to t + step_s; a command handed to it acts from t + dead time on, to
+- Time: `Brake.step` covers one step from t to t + step_s; a command handed to it acts from t + dead time on, to
   the sample. A controller works at its own period of 10 ms and adds no delay to its link: the answer to what it read
   at one tick is applied by the co-simulation from the next tick on.
 - No randomness here.

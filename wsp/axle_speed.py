@@ -11,7 +11,8 @@ def fading_memory_after(
 ) -> tuple[float, float]:
     """Speed (m/s) and acceleration (m/s2) after one more measurement, by a straight line through the past.
 
-    The errors' weights fade by memory = exp(-period/time constant) per tick, which makes it the alpha-beta filter with
+    The errors' weights fade by memory m = exp(-period/time constant) per tick, which makes it the alpha-beta filter
+    with alpha = 1 - m^2 and beta = (1 - m)^2.
     """
     predicted = speed_mps + acceleration_mps2 * period_s
     residual = measured_mps - predicted
@@ -26,9 +27,14 @@ def compare_wheels(
     """Move each wheel's ratio (n,), its indicated speed over the mean of all, towards what is seen now by `share`.
 
     To be called while all wheels roll freely: then unequal speeds mean unequal diameters, not slip. The ratios stay
-    within 1 +- largest_difference. Axle speeds (n,) in m/s, of a positive mean.
+    within 1 +- largest_difference. Axle speeds (n,) in m/s; nothing is learnt from speeds that differ by more than
+    worn wheels do (a wheel that stands, turns backwards or is not read).
     """
     mean = np.mean(axle_speed_mps)
+    for axle in range(ratio.shape[0]):
+        # written so that nan, and a mean of zero, fail it
+        if not abs(axle_speed_mps[axle] - mean) <= largest_difference * abs(mean) or mean == 0.0:
+            return
     for axle in range(ratio.shape[0]):
         seen = axle_speed_mps[axle] / mean
         ratio[axle] += share * (seen - ratio[axle])

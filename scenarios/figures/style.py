@@ -17,7 +17,7 @@ REFERENCE_COLOUR = "#d62728"
 BAND_COLOUR = "#c8dcc8"
 DPI = 110
 WIDTH_IN = 11.0
-LABEL_DISTANCE_IN = 0.48
+LABEL_DISTANCE_IN = 0.58
 MOST_POINTS = 6000
 
 Place = Literal["best", "upper left", "upper right", "lower left", "lower right", "lower center"]

@@ -12,6 +12,7 @@ from scenarios.cosimulation import simulate
 from scenarios.driver import Driver, DriverParameters
 from scenarios.errors import SolveFailed
 from scenarios.metrics import stop_metrics
+from scenarios.observe import observe
 from scenarios.scenario_file import load_scenario
 from scenarios.schema import TICK_S, Scenario
 from scenarios.shortest_stop import shortest_stop
@@ -80,6 +81,64 @@ def test_shortest_stop_is_that_of_a_point_mass_on_even_rail() -> None:
     assert distance >= shortest * 0.999
 
 
+def test_recording_does_not_touch_the_run() -> None:
+    """Twice as many rows: those in common are the same to the last bit."""
+    settings = (*SLOW_STOP, "simulation.longest_s=8")
+    fine = run(*settings, "simulation.record_period_s=0.005")
+    coarse = run(*settings, "simulation.record_period_s=0.01")
+    rows = slice(0, 2 * len(coarse.motion), 2)
+    assert np.array_equal(fine.motion.specific_force_mps2[rows], coarse.motion.specific_force_mps2)
+    assert np.array_equal(fine.wheelsets.longitudinal_force_n[rows], coarse.wheelsets.longitudinal_force_n)
+    assert np.array_equal(fine.brake.cylinder_pressure_bar[rows], coarse.brake.cylinder_pressure_bar)
+
+
+def test_energy_and_momentum_balance_over_a_whole_run() -> None:
+    """Drive, coasting, curve, cant, gradient, valves and WSP at work, standstill: 1 % of the summed absolute work."""
+    motion = run(
+        "track.curves.0.start_m=30",
+        "track.curves.0.length_m=50",
+        "track.gradients.0.from_m=400",
+        "adhesion.stretches.1.from_m=450",
+        'driver.phases=[{from_m=0.0, action="hold", speed_kmh=75.0}, {from_m=350.0, action="coast"}, '
+        '{from_m=500.0, action="brake", demand=1.0}]',
+        "simulation.initial_speed_kmh=70",
+        "simulation.initial_position_m=12",
+    ).motion
+    names = ("gravity", "suspension", "contact_normal", "creep", "brake", "drive", "resistance")
+    powers = {name: getattr(motion, f"power_{name}_w") for name in names}
+    work = {name: float(np.trapezoid(power, motion.t_s)) for name, power in powers.items()}
+    absolute = sum(float(np.trapezoid(np.abs(power), motion.t_s)) for power in powers.values())
+    gained = motion.kinetic_energy_j[-1] - motion.kinetic_energy_j[0]
+    print({name: round(value) for name, value in work.items()}, f"gained {gained:.0f} J, of {absolute:.0f} J")
+    assert all(abs(work[name]) > 1e4 for name in ("gravity", "creep", "brake", "drive", "resistance"))
+    assert abs(gained - sum(work.values())) < 0.01 * absolute
+
+    impulse = np.trapezoid(motion.external_force_n, motion.t_s, axis=0)
+    total = float(np.trapezoid(np.linalg.norm(motion.external_force_n, axis=1), motion.t_s))
+    assert np.abs(motion.momentum_ns[-1] - motion.momentum_ns[0] - impulse).max() < 0.01 * total
+
+
+def test_coasting_up_ten_per_mille_the_orientation_filter_reads_ten_per_mille() -> None:
+    """On the coach itself, through masks and all: within the accelerometer's share, 0.42 per mille, and its noise."""
+    scenario = load_scenario(
+        "low-adhesion-stop",
+        [
+            "track.curves=[]",
+            "track.gradients=[{from_m=300.0, gradient_permille=10.0, rounding_m=100.0}]",
+            'driver.phases=[{from_m=0.0, action="coast"}]',
+            'adhesion.stretches=[{from_m=0.0, surface="dry", peak_adhesion=0.3}]',
+            "simulation.longest_s=60",
+            'estimators.names=["orientation"]',
+        ],
+    )
+    truth = simulate(scenario, lambda *_: None, lambda: False)
+    estimate = observe(scenario, truth).estimates["orientation"]
+    settled = estimate.t_s > 30.0
+    print(f"reads {estimate.gradient_permille[settled].mean():.2f} per mille")
+    assert truth.motion.gradient_permille[-1] == pytest.approx(10.0)
+    assert estimate.gradient_permille[settled].mean() == pytest.approx(10.0, abs=0.8)
+
+
 class Script:
     """A controller that vents from a given tick on and writes down what it sees."""
 
@@ -139,7 +198,7 @@ def test_the_brake_torque_of_a_step_is_that_of_the_plant_at_its_end() -> None:
 
 
 def test_a_track_too_short_says_so_and_keeps_what_it_had() -> None:
-    with pytest.raises(SolveFailed, match="track.length_m = 1700") as failure:
+    with pytest.raises(SolveFailed, match="left the track.*track.length_m = 1700") as failure:
         run(*SLOW_STOP, "track.length_m=1700", "simulation.initial_speed_kmh=120", "balises.first_m=1400")
     partial = failure.value.partial
     assert isinstance(partial, Truth)

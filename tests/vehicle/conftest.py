@@ -41,24 +41,20 @@ class Bench:
         until: Callable[[CoachState], bool] = lambda state: False,
     ) -> tuple[np.ndarray, SolveReport]:
         rows = np.zeros(round(duration_s / RECORD_S) + 2, OBSERVATION)
-        every = round(RECORD_S / step_s)
         count = 0
-        steps = 0
         actuation = Actuation()
 
         def on_step(t_s: float, state: CoachState) -> Actuation | None:
-            nonlocal count, steps
-            if steps % every == 0:
-                state.observe(t_s, rows, count)
-                count += 1
-                if until(state):
-                    return None
-            steps += 1
+            nonlocal count
+            state.observe(t_s, rows, count)
+            count += 1
+            if until(state):
+                return None
             actuation.brake_torque_nm[:] = brake(t_s)
             actuation.drive_torque_nm[:] = drive(t_s)
             return actuation
 
-        report = self.coach.run(step_s, duration_s, position_m, speed_mps, on_step)
+        report = self.coach.run(step_s, duration_s, position_m, speed_mps, on_step, RECORD_S)
         return rows[:count], report
 
 

@@ -169,3 +169,22 @@ def test_an_outside_reference_replaces_the_controllers_own() -> None:
 def test_faulty_parameters_are_refused_by_name(key: str, value: Any) -> None:
     with pytest.raises(ValidationError, match=key):
         CONTROLLERS["rule-table"].Parameters(**{key: value})
+
+
+NONSENSE = [[0.0] * 4, [20.0, -20.0, 20.0, -20.0], [20.0, 20.0, float("nan"), 20.0], [0.0, 20.0, 20.0, 20.0]]
+
+
+@pytest.mark.parametrize("speeds", NONSENSE)
+def test_coasting_learns_nothing_from_speeds_that_no_worn_wheels_have(speeds: list[float]) -> None:
+    """One tick of nonsense while coasting: no error, and the reference afterwards is that of the wheels."""
+    rule_table = CONTROLLERS["rule-table"]
+    controller = rule_table(rule_table.Parameters())
+    controller.reset(0.0, 1)
+    valid = np.ones(4, dtype=np.bool_)
+    rolling = np.full(4, 20.0)
+    for k in range(200):
+        controller.step(0.01 * k, rolling, valid, 0.0, 1, np.nan)
+    controller.step(2.0, np.array(speeds), valid, 0.0, 1, np.nan)
+    for k in range(201, 600):
+        reference = controller.step(0.01 * k, rolling, valid, 0.0, 1, np.nan).reference_speed_mps
+    assert reference == pytest.approx(20.0, abs=0.02)

@@ -16,6 +16,7 @@ class ControllerOutput:
 
     And the reference speed, m/s >= 0 (nan: has none).
 
+    Sand and track brake are wishes: a coach that carries neither (none does yet) does not answer them.
     A controller may reuse one output: copy what is to outlive the next step.
     """
 
