@@ -5,30 +5,35 @@ from matplotlib.figure import Figure
 
 from scenarios.figures.style import TRUE_COLOUR, legend, new_figure, robust_limits, thinned
 from scenarios.truth import MotionStream
-from sensors import ImuParameters, ImuReadings
+from sensors import ImuParameters, ImuReadings, mounting_rotation
 
-AXES = ("x, forward", "y, left", "z, up")
 READING_COLOUR = "#e08a3c"
 
 
 def draw_imu(motion: MotionStream, imu: ImuReadings, mounting: ImuParameters) -> Figure:
-    """Specific force and angular rate: the sensor's own axes against the carbody's at its centre of mass."""
-    turned = f"{mounting.mounting_roll_deg:g}, {mounting.mounting_pitch_deg:g}, {mounting.mounting_yaw_deg:g}"
-    title = f"IMU readings (axes turned by roll, pitch, yaw {turned} deg) against truth (carbody axes, centre of mass)"
+    """Specific force and angular rate as read, against the truth at the carbody's centre of mass in the sensor's axes.
+
+    What lies between them is the sensor's: noise, bias, drift, bandwidth, and the lever arm.
+    """
+    angles = (mounting.mounting_roll_deg, mounting.mounting_pitch_deg, mounting.mounting_yaw_deg)
+    to_sensor = mounting_rotation(*np.radians(angles)).T
+    turned = ", ".join(f"{angle:g}" for angle in angles)
+    title = f"IMU readings and truth in the IMU's axes (mounted at roll, pitch, yaw {turned} deg)"
     figure, panels = new_figure(title, 8.6, rows=3, columns=2)
     true_rows, read_rows = thinned(len(motion)), thinned(len(imu))
-    for i, axis in enumerate(AXES):
-        for axes, read, true, unit in (
-            (panels[i, 0], imu.specific_force_mps2[:, i], motion.specific_force_mps2[:, i], "m/s²"),
-            (panels[i, 1], imu.angular_rate_radps[:, i], motion.angular_rate_radps[:, i], "rad/s"),
-        ):
-            axes.plot(imu.t_s[read_rows], read[read_rows], color=READING_COLOUR, linewidth=0.6, label="reading")
-            axes.plot(motion.t_s[true_rows], true[true_rows], color=TRUE_COLOUR, linewidth=0.8, label="truth")
-            axes.set_ylim(robust_limits(np.concatenate([read, true])))
-            axes.set_ylabel(f"{axis}   {unit}")
-    panels[0, 0].set_title("specific force")
-    panels[0, 1].set_title("angular rate")
+    for column, (heading, read, true, unit) in enumerate(
+        (
+            ("specific force", imu.specific_force_mps2, motion.specific_force_mps2 @ to_sensor, "m/s²"),
+            ("angular rate", imu.angular_rate_radps, motion.angular_rate_radps @ to_sensor, "rad/s"),
+        )
+    ):
+        for i, name in enumerate("xyz"):
+            axes = panels[i, column]
+            axes.plot(imu.t_s[read_rows], read[read_rows, i], color=READING_COLOUR, linewidth=0.6, label="reading")
+            axes.plot(motion.t_s[true_rows], true[true_rows, i], color=TRUE_COLOUR, linewidth=0.8, label="truth")
+            axes.set_ylim(robust_limits(np.concatenate([read[:, i], true[:, i]])))
+            axes.set_ylabel(f"{name}   {unit}")
+        panels[0, column].set_title(heading)
+        panels[-1, column].set_xlabel("time  s")
     legend(panels[0, 0], columns=2, place="lower left")
-    for axes in panels[-1]:
-        axes.set_xlabel("time  s")
     return figure
