@@ -179,19 +179,16 @@ def test_forces_are_those_of_the_solvers_predictor(make_bench: MakeBench, monkey
 
     def spy(q: np.ndarray, v: np.ndarray, *rest: object) -> None:
         ahead = rest[2][0]  # type: ignore[index]
-        moved = np.array([6 * i + j for i in range(7) for j in range(3)] + [42, 43, 44, 45])
-        seen.append(np.abs(q[moved] - ahead["ahead_q"][moved]).max())
+        seen.append(np.abs(q - ahead["ahead_q"]).max())
         seen.append(np.abs(v - ahead["ahead_v"]).max())
-        predicted = ahead["rotation"].copy()
-        jacobian(q, v, *rest)  # works the rotations out from q
-        seen.append(np.abs(predicted - ahead["rotation"]).max())
+        jacobian(q, v, *rest)
 
     monkeypatch.setattr(coach_module, "coach_jacobian", spy)
     curve = {"start_m": 60.0, "transition_m": 50.0, "length_m": 300.0, "radius_m": 500.0, "cant_mm": 100.0}
     bench = make_bench(0.08, "low", curves=[curve])
     bench.run(duration_s=5.0, speed_mps=20.0, brake=lambda t: FULL_BRAKE_NM * (int(2 * t) % 2))
-    print(f"{len(seen) // 3} Jacobians, largest difference {max(seen):.1e}")
-    assert len(seen) > 150
+    print(f"{len(seen) // 2} Jacobians, largest difference {max(seen):.1e}")
+    assert len(seen) > 100
     assert max(seen) < 1e-7
 
 
