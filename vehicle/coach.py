@@ -28,11 +28,12 @@ import numpy as np
 from vehicle.forces import coach_force
 from vehicle.jacobian import coach_jacobian
 from vehicle.layout import COORDINATES, SPIN, masses
-from vehicle.observation import observe
+from vehicle.observation import OBSERVATION, observe
 from vehicle.parameters import CoachParameters
 from vehicle.start import start_state
 from vehicle.stepping import FRESH, LOST, SPECTRAL_RADIUS, begin_step
 from wheel_rail import Adhesion, ConicalContact, Track
+from wheel_rail.compiled import address_of
 
 
 class SolverFailure(RuntimeError):
@@ -54,19 +55,20 @@ class Actuation:
 class CoachState:
     """The coach at the instant of a callback; arrays are views that change from step to step."""
 
-    def __init__(
-        self, q: np.ndarray, v: np.ndarray, record: np.ndarray, track: np.ndarray, adhesion: np.ndarray
-    ) -> None:
-        self._arguments = (q, v, record, record.copy(), track, adhesion)
+    def __init__(self, q: np.ndarray, v: np.ndarray, record: np.ndarray) -> None:
+        self._watching = record.copy()
+        self._addresses = address_of(record), address_of(self._watching)
         self._velocity = v[:3]
-        self._places = record[0]["s"]
+        self._place = record["s"][0]
+        self._rows, self._first_row = np.zeros(0, OBSERVATION), 0
         self.wheel_angle_rad = q[SPIN:]
         self.wheel_rate_radps = v[SPIN:]
 
     @property
     def position_m(self) -> float:
         """Place of the carbody's centre along the track (within a millimetre)."""
-        return self._places.item(4)
+        place: float = self._place.item(4)
+        return place
 
     @property
     def speed_mps(self) -> float:
@@ -74,8 +76,10 @@ class CoachState:
         return math.hypot(*self._velocity.tolist())
 
     def observe(self, t_s: float, rows: np.ndarray, row: int) -> None:
-        """Write the full observation into `rows[row]`, dtype `OBSERVATION`."""
-        observe(t_s, *self._arguments, rows, row)
+        """Write the full observation into `rows[row]`, a contiguous array of dtype `OBSERVATION`."""
+        if rows is not self._rows:
+            self._rows, self._first_row = rows, address_of(rows)
+        observe(t_s, *self._addresses, self._first_row + row * OBSERVATION.itemsize)
 
 
 @dataclass(frozen=True)
@@ -224,7 +228,7 @@ class _Run:
                 capacity[:] = answer.brake_torque_nm
                 drive[:] = answer.drive_torque_nm
             self.steps = steps + 1
-            condition = begin_step(q, v, a, force, step_s, record, track, adhesion)
+            condition = begin_step(address, step_s)
             set_parameter(system, "forceVector", force)
             if condition != FRESH:
                 if condition == LOST:
@@ -242,7 +246,12 @@ class _Run:
         v = mbs.systemData.GetODE2Coordinates_t(copy=False)
         a = mbs.systemData.GetODE2Coordinates_tt(copy=False)
         capacity, drive = self._coach["capacity"], self._coach["drive"]
-        state = CoachState(q, v, record, track, adhesion)
+        coach = record[0]
+        coach["solver_at"] = [address_of(array) for array in (q, v, a, force)]
+        coach["track_at"], coach["track_nodes"] = address_of(track), len(track)
+        coach["adhesion_at"], coach["adhesion_cells"] = address_of(adhesion), adhesion.shape[1]
+        address = address_of(record)
+        state = CoachState(q, v, record)
         self._state = state
         coach_force(q, v, force, record, track, adhesion)
         set_parameter(system, "forceVector", force)

@@ -11,6 +11,7 @@ import numpy as np
 
 from vehicle.parameters import Characteristic, CoachParameters
 from wheel_rail import CONTACT, ConicalContact
+from wheel_rail.compiled import record_reader
 from wheel_rail.contact import REPORT
 
 GRAVITY_MPS2 = 9.81
@@ -51,6 +52,12 @@ COACH = np.dtype(
         ("bogie_of", "i8", (4,)),
         ("cell_m", "f8"),
         ("track_origin_m", "f8"),
+        # where the arrays of a run stand: q, v, accelerations and forces of the solver, track and adhesion
+        ("solver_at", "i8", (4,)),
+        ("track_at", "i8"),
+        ("track_nodes", "i8"),
+        ("adhesion_at", "i8"),
+        ("adhesion_cells", "i8"),
         # what changes from step to step
         ("attitude", "f8", (BODIES, 4)),  # unit quaternion (w, x, y, z) of the last committed rotation
         ("turned", "f8", (BODIES, 3)),  # turn coordinates at that rotation
@@ -88,6 +95,9 @@ COACH = np.dtype(
         ("probe_rows", "f8", (6, 7)),
     ]
 )
+
+coach_at = record_reader(COACH)
+"""For compiled code: the coach whose record stands at an address."""
 
 
 def coach_record(parameters: CoachParameters, contact: ConicalContact) -> np.ndarray:

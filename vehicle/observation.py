@@ -8,8 +8,8 @@ import math
 import numpy as np
 
 from vehicle.forces import BRAKE, CONTACT_NORMAL, CREEP, DRIVE, GRAVITY, RESISTANCE, SUSPENSION, forces_by_class
-from vehicle.layout import GRAVITY_MPS2
-from wheel_rail.compiled import Array, Record, compiled
+from vehicle.layout import GRAVITY_MPS2, coach_at
+from wheel_rail.compiled import array_at, compiled, record_reader
 from wheel_rail.contact import LATERAL, LONGITUDINAL, NORMAL, SLIDE_POWER
 
 # order of the force classes in `power_w`
@@ -46,24 +46,22 @@ OBSERVATION = np.dtype(
 )
 
 
-@compiled
-def observe(
-    t_s: float,
-    q: Array,
-    v: Array,
-    record: Record,
-    watching: Record,
-    track: Array,
-    adhesion: Array,
-    rows: Record,
-    row: int,
-) -> None:
-    """Write the observation at time t and state q, v into `rows[row]` (dtype OBSERVATION).
+_row_at = record_reader(OBSERVATION)
 
-    The forces are worked out in `watching`, a record of the same coach, so that watching does not touch the run.
+
+@compiled
+def observe(t_s: float, address: int, watching_address: int, row_address: int) -> None:
+    """Write the observation at time t and the solver's state into the row (dtype OBSERVATION) at `row_address`.
+
+    `address` is that of the coach's record; the forces are worked out in `watching_address`, a record of the same
+    coach, so that watching does not touch the run.
     """
-    coach = watching[0]
-    running = record[0]
+    running = coach_at(address)
+    coach = coach_at(watching_address)
+    out = _row_at(row_address)
+    q, v = array_at(running.solver_at[0], (46,)), array_at(running.solver_at[1], (46,))
+    track = array_at(running.track_at, (running.track_nodes, 10))
+    adhesion = array_at(running.adhesion_at, (2, running.adhesion_cells, 5))
     for i in range(5):
         coach.s[i] = running.s[i]
     for i in range(7):
@@ -77,7 +75,6 @@ def observe(
         coach.wind_up[i] = running.wind_up[i]
         coach.angle[i] = running.angle[i]
     forces_by_class(q, v, coach, track, adhesion)
-    out = rows[row]
     force = coach.force
     out.t_s = t_s
     out.position_m = coach.s[4]

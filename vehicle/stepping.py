@@ -9,8 +9,9 @@ compiled call before the step does everything and Exudyn need not call back for 
 import math
 
 from vehicle.forces import add_classes, forces_by_class
+from vehicle.layout import coach_at
 from vehicle.suspension import commit_attitudes
-from wheel_rail.compiled import Array, Record, compiled
+from wheel_rail.compiled import Array, Record, array_at, compiled
 from wheel_rail.contact import NORMAL, PENETRATION, SECANT, SLIDE, TANGENT
 
 SPECTRAL_RADIUS = 0.1
@@ -25,14 +26,17 @@ FRESH, AGED, LOST = range(3)
 
 
 @compiled
-def begin_step(
-    q: Array, v: Array, a: Array, f: Array, step_s: float, record: Record, track: Array, adhesion: Array
-) -> int:
-    """Commit the step that has ended in q, v, a (46,) and put the forces of the next step's predictor into f (46,).
+def begin_step(address: int, step_s: float) -> int:
+    """Commit the step that has ended in the solver's state and put the forces at the next step's predictor into its
+    force vector; `address` of the coach's record.
 
     Returns FRESH or AGED for the Jacobian, or LOST when the state or the actuation is not finite.
     """
-    coach = record[0]
+    coach = coach_at(address)
+    q, v = array_at(coach.solver_at[0], (46,)), array_at(coach.solver_at[1], (46,))
+    a, f = array_at(coach.solver_at[2], (46,)), array_at(coach.solver_at[3], (46,))
+    track = array_at(coach.track_at, (coach.track_nodes, 10))
+    adhesion = array_at(coach.adhesion_at, (2, coach.adhesion_cells, 5))
     for j in range(46):
         if not math.isfinite(v[j]):
             return LOST
