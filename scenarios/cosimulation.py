@@ -143,8 +143,7 @@ class _Loop:
         self._ticks = 0
         self._moved = False
         self._still_ticks = 0
-        self._speeds: list[np.ndarray] = []
-        self._valids: list[np.ndarray] = []
+        self._seen = np.zeros((4096, 8))  # axle speeds and whether they are valid, one row per tick
         self.off_the_line = False
         self.stopped = False
 
@@ -176,8 +175,11 @@ class _Loop:
             self.off_the_line = True
         tachometers = self._tachometers
         tachometers.advance(t_s, state.wheel_angle_rad, state.wheel_rate_radps)
-        self._speeds.append(tachometers.axle_speed_mps.copy())
-        self._valids.append(tachometers.valid.copy())
+        ticks = self._ticks
+        if ticks == len(self._seen):
+            self._seen = np.concatenate([self._seen, np.zeros_like(self._seen)])
+        self._seen[ticks, :4] = tachometers.axle_speed_mps
+        self._seen[ticks, 4:] = tachometers.valid
         # what each answered at its last tick comes into force, then it answers anew
         if self._ticks % _TICKS_PER_DRIVER == 0:
             driver = self._driver
@@ -208,7 +210,7 @@ class _Loop:
         line = self._line
         ended: Literal["standstill", "time"] = "standstill" if self.stopped else "time"
         simulated_s = report.simulated_s if report else self._periods * self.period_s
-        ticks = TICK_S * np.arange(len(self._speeds), dtype=np.float64)
+        seen = self._seen[: self._ticks]
         return Truth(
             motion=self._recorder.motion_stream(line.track),
             wheelsets=self._recorder.wheelset_stream(
@@ -217,7 +219,9 @@ class _Loop:
             brake=self._recorder.brake_stream(),
             tachometer=self._tachometers.readings(),
             axle_speeds=AxleSpeedReadings(
-                t_s=ticks, axle_speed_mps=np.array(self._speeds), valid=np.array(self._valids)
+                t_s=TICK_S * np.arange(len(seen), dtype=np.float64),
+                axle_speed_mps=seen[:, :4],
+                valid=seen[:, 4:] > 0.0,
             ),
             solve=SolveRecord(
                 simulated_s=simulated_s,

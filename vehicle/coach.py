@@ -73,7 +73,8 @@ class CoachState:
     @property
     def speed_mps(self) -> float:
         """Speed of the carbody's centre."""
-        return math.hypot(*self._velocity.tolist())
+        x, y, z = self._velocity.tolist()
+        return math.sqrt(x * x + y * y + z * z)
 
     def observe(self, t_s: float, rows: np.ndarray, row: int) -> None:
         """Write the full observation into `rows[row]`, a contiguous array of dtype `OBSERVATION`."""

@@ -20,7 +20,7 @@ ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1.0)
 GAMMA = 0.5 + ALPHA_F - ALPHA_M
 BETA = 0.25 * (GAMMA + 0.5) ** 2
 
-_STALE_SHARE = 0.0001
+_STALE_SHARE = 0.0003
 
 FRESH, AGED, LOST = range(3)
 
@@ -64,7 +64,7 @@ def begin_step(address: int, step_s: float) -> int:
 def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
     """Whether the forces at the predictor call for a new Jacobian.
 
-    It is old when the error of a creep slope, times what the slip has moved in the step, makes a false force of 0.01 %
+    It is old when the error of a creep slope, times what the slip has moved in the step, makes a false force of 0.03 %
     of the wheel load (this decides the accuracy at the edge of sliding); when a slope times step over effective mass
     has changed by over one half; when a wheel has lifted or landed, a brake has caught or let go, or the coach has
     turned by 2 mrad.
