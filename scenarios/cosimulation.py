@@ -23,7 +23,7 @@ from scenarios.schema import TICK_S, Scenario, SimulationParameters
 from scenarios.truth import SolveRecord, Truth
 from sensors import AxleSpeedReadings, Tachometers, random_stream
 from vehicle import Actuation, Coach, CoachState, SolveReport, SolverFailure
-from wheel_rail import Adhesion, ConicalContact, Track
+from wheel_rail import Adhesion, Contact, Track
 from wsp import Brake, ControllerOutput
 
 # numbers of the random streams that hang on the world seed
@@ -57,7 +57,7 @@ class Line:
         coach = scenario.coach
         # from the coach's centre to its outer wheelsets
         self.reach_m = 0.5 * (coach.bogie_distance_m + coach.wheelbase_m)
-        self.contact = ConicalContact(coach.contact, 0.5 * coach.wheelset.wheel_diameter_m, coach.static_wheel_load_n)
+        self.contact = Contact(coach.contact, 0.5 * coach.wheelset.wheel_diameter_m, coach.static_wheel_load_n)
         self.track = Track(scenario.track)
         self.adhesion = Adhesion(
             scenario.adhesion,

@@ -32,7 +32,7 @@ from vehicle.observation import OBSERVATION, observe
 from vehicle.parameters import CoachParameters
 from vehicle.start import start_state
 from vehicle.stepping import FRESH, LOST, SPECTRAL_RADIUS, begin_step
-from wheel_rail import Adhesion, ConicalContact, Track
+from wheel_rail import Adhesion, Contact, Track
 from wheel_rail.compiled import address_of
 
 
@@ -101,7 +101,7 @@ OnStep = Callable[[float, CoachState], Actuation | None]
 class Coach:
     """A coach on a track; see the module's description for how a run proceeds."""
 
-    def __init__(self, parameters: CoachParameters, contact: ConicalContact, track: Track, adhesion: Adhesion) -> None:
+    def __init__(self, parameters: CoachParameters, contact: Contact, track: Track, adhesion: Adhesion) -> None:
         self.parameters = parameters
         self._track = track
         self._adhesion = adhesion

@@ -14,6 +14,7 @@ from wheel_rail.contact import (
     DIRECTION,
     LOAD_SHARE,
     NORMAL,
+    NORMAL_STIFFNESS,
     POINT,
     RADIUS_SLOPE,
     SECANT,
@@ -78,7 +79,7 @@ def _add_contact(
     _row(across, lx, ly, lz, px, py, pz, rotation)
     _row(normal, mx, my, mz, px, py, pz, rotation)
     contact = coach.contact
-    stiffness = factor_q * contact.stiffness_npm + factor_v * contact.damping_nspm
+    stiffness = factor_q * report[NORMAL_STIFFNESS] + factor_v * contact.damping_nspm
     # the rim's velocity changes with the rolling radius, and turns with the wheelset about the normal
     rim = spin_radps * (rotation[0, 1] * (py * cz - pz * cy) + rotation[1, 1] * (pz * cx - px * cz)
                         + rotation[2, 1] * (px * cy - py * cx))  # fmt: skip

@@ -10,7 +10,7 @@ where the body had turned to when the turn was `turned`.
 import numpy as np
 
 from vehicle.parameters import Characteristic, CoachParameters
-from wheel_rail import CONTACT, ConicalContact
+from wheel_rail import CONTACT, Contact
 from wheel_rail.compiled import record_reader
 from wheel_rail.contact import REPORT
 
@@ -100,7 +100,7 @@ coach_at = record_reader(COACH)
 """For compiled code: the coach whose record stands at an address."""
 
 
-def coach_record(parameters: CoachParameters, contact: ConicalContact) -> np.ndarray:
+def coach_record(parameters: CoachParameters, contact: Contact) -> np.ndarray:
     """Array of one `COACH` record with all constants set; the elements carry the static loads of level track."""
     p = parameters
     coach = np.zeros(1, COACH)
@@ -115,10 +115,10 @@ def coach_record(parameters: CoachParameters, contact: ConicalContact) -> np.nda
     c["resistance"] = (p.resistance.a_n, p.resistance.b_nspm, p.resistance.c_ns2pm2)
     c["caliper_stiffness"] = p.caliper.stiffness_nmprad
     c["caliper_damping"] = p.caliper.damping_nmsprad
-    c["contact"] = contact.constants()
+    c["contact"] = contact.constants
     c["bogie_of"] = (1, 1, 2, 2)
     _curves(c, p)
-    _elements(c, p)
+    _elements(c, p, centres(p, contact))
     c["turns"] = np.any(c["rotational_stiffness"] + c["rotational_damping"] > 0.0, axis=1)
     c["pushes"] = np.any(c["stiffness"] + c["damping"] > 0.0, axis=1) | np.any(c["damper"] >= 0, axis=1)
     return coach
@@ -130,14 +130,13 @@ def masses(coach: np.void) -> np.ndarray:
     return np.array(bodies + [coach["spin_inertia"]] * 4)
 
 
-def centres(parameters: CoachParameters) -> np.ndarray:
+def centres(parameters: CoachParameters, contact: Contact) -> np.ndarray:
     """Centres of the seven bodies on level straight track, relative to the track below the carbody: (7, 3) m."""
     p = parameters
     bogies = [0.5 * p.bogie_distance_m, -0.5 * p.bogie_distance_m]
     wheels = [b + 0.5 * side * p.wheelbase_m for b in bogies for side in (1, -1)]
-    radius = 0.5 * p.wheelset.wheel_diameter_m
-    sink = p.static_wheel_load_n / p.contact.stiffness_npm * (1.0 + p.contact.conicity**2)
-    rows = [(0.0, p.body.height_m)] + [(x, p.bogie.height_m) for x in bogies] + [(x, radius) for x in wheels]
+    sink = contact.radius_m - contact.rest_height_m
+    rows = [(0.0, p.body.height_m)] + [(x, p.bogie.height_m) for x in bogies] + [(x, contact.radius_m) for x in wheels]
     return np.array([(x, 0.0, z - sink) for x, z in rows])
 
 
@@ -159,9 +158,8 @@ def _curves(c: np.void, p: CoachParameters) -> None:
             c["curve_slope"][k, 1 : len(curve.x)] = np.diff(curve.force_n) / np.diff(curve.x)
 
 
-def _elements(c: np.void, p: CoachParameters) -> None:
-    """Fill the element arrays; a point is given in its body's axes from the body's centre."""
-    at = centres(p)
+def _elements(c: np.void, p: CoachParameters, at: np.ndarray) -> None:
+    """Fill the element arrays; a point is given in its body's axes from the body's centre, `at` (7, 3)."""
     sink = at[3, 2] - 0.5 * p.wheelset.wheel_diameter_m
     k = 0
 

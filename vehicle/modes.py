@@ -9,7 +9,7 @@ from vehicle.forces import coach_force
 from vehicle.layout import COORDINATES, SPIN, masses
 from vehicle.parameters import CoachParameters
 from vehicle.start import start_state
-from wheel_rail import Adhesion, AdhesionParameters, ConicalContact, Track, TrackParameters
+from wheel_rail import Adhesion, AdhesionParameters, Contact, Track, TrackParameters
 
 _STEP_M = 1e-6
 _STRAIGHT_M = 200.0
@@ -28,9 +28,7 @@ def stiffness_matrix(parameters: CoachParameters, speed_mps: float) -> tuple[np.
 
     Rotations are about the bodies' axes; gravity, preloads and contact stiffness are in, forces by speed are not.
     """
-    contact = ConicalContact(
-        parameters.contact, 0.5 * parameters.wheelset.wheel_diameter_m, parameters.static_wheel_load_n
-    )
+    contact = Contact(parameters.contact, 0.5 * parameters.wheelset.wheel_diameter_m, parameters.static_wheel_load_n)
     track = Track(TrackParameters(length_m=_STRAIGHT_M))
     dry = AdhesionParameters.model_validate({"stretches": [{"from_m": 0.0, "surface": "dry", "peak_adhesion": 0.3}]})
     adhesion = Adhesion(dry, _STRAIGHT_M, contact, np.random.default_rng(0))

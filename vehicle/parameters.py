@@ -5,7 +5,7 @@ from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from wheel_rail import ConicalContactParameters
+from wheel_rail import ContactParameters
 
 COACH_PRESETS: dict[str, Path] = {p.stem: p for p in sorted((Path(__file__).parent / "presets").glob("*.toml"))}
 
@@ -121,7 +121,7 @@ class CoachParameters(_Section):
     yaw_dampers: YawDampers
     traction_rod: TractionRod
     caliper: Caliper
-    contact: ConicalContactParameters
+    contact: ContactParameters
     resistance: Resistance
 
     @model_validator(mode="after")

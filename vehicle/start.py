@@ -5,13 +5,13 @@ from scipy.spatial.transform import Rotation
 
 from vehicle.layout import BODIES, COORDINATES, SPIN, centres, coach_record
 from vehicle.parameters import CoachParameters
-from wheel_rail import Adhesion, ConicalContact, Track
+from wheel_rail import Adhesion, Contact, Track
 from wheel_rail.track import track_frame
 
 
 def start_state(
     parameters: CoachParameters,
-    contact: ConicalContact,
+    contact: Contact,
     track: Track,
     adhesion: Adhesion,
     position_m: float,
@@ -27,7 +27,7 @@ def start_state(
     coach["track_origin_m"] = track.origin_m
     q, v = np.zeros(COORDINATES), np.zeros(COORDINATES)
     frame = np.empty(14)
-    for i, (x, _, z) in enumerate(centres(parameters)):
+    for i, (x, _, z) in enumerate(centres(parameters, contact)):
         track_frame(position_m + x, track.origin_m, track.table, frame)
         axes = frame[3:12].reshape(3, 3)
         q[6 * i : 6 * i + 3] = frame[:3] + z * axes[2]
@@ -35,5 +35,5 @@ def start_state(
         v[6 * i : 6 * i + 3] = speed_mps * axes[0]
         if i == 0 or i >= BODIES - 4:
             coach["s"][i - 3 if i else 4] = position_m + x
-    v[SPIN:] = speed_mps / contact.radius_m
+    v[SPIN:] = speed_mps / contact.rolling_radius_m
     return record, q, v

@@ -7,7 +7,8 @@ SI units throughout; compiled functions take world vectors of three components.
 """
 
 from wheel_rail.adhesion import REFERENCE_LOAD_N, REFERENCE_SPEED_MPS, Adhesion, AdhesionParameters
-from wheel_rail.conical import CONTACT, ConicalContact, ConicalContactParameters
+from wheel_rail.contact_parameters import ContactParameters
+from wheel_rail.contact_table import CONTACT, Contact
 from wheel_rail.polach import SURFACES
 from wheel_rail.track import Track, TrackParameters
 
@@ -18,8 +19,8 @@ __all__ = [
     "SURFACES",
     "Adhesion",
     "AdhesionParameters",
-    "ConicalContact",
-    "ConicalContactParameters",
+    "Contact",
+    "ContactParameters",
     "Track",
     "TrackParameters",
 ]

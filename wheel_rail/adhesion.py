@@ -10,7 +10,7 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from wheel_rail.conical import ConicalContact
+from wheel_rail.contact_table import Contact
 from wheel_rail.polach import SURFACES, mu0_for_peak
 
 REFERENCE_LOAD_N = 68.7e3
@@ -85,7 +85,7 @@ class Adhesion:
         self,
         parameters: AdhesionParameters,
         length_m: float,
-        contact: ConicalContact,
+        contact: Contact,
         rng: np.random.Generator,
     ) -> None:
         patch = contact.at_load(REFERENCE_LOAD_N).patch

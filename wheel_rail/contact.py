@@ -1,7 +1,9 @@
 """Forces between one wheelset and the track: normal contact, creep and flange of both wheels, compiled.
 
 A wheel is a surface of revolution about the axle; it touches the rail where its normal is perpendicular to the rail.
-The normal force is a unilateral spring and damper along that normal, the creep force Polach's law in the tangent plane.
+Where that is in the cross-section is read from a table over lateral displacement (`wheel_rail.contact_table`); yaw,
+roll and the cant ramp are taken in here. The normal force is a unilateral spring and damper along that normal, the
+creep force the law in force in the tangent plane.
 """
 
 import math
@@ -9,17 +11,32 @@ import math
 import numpy as np
 
 from wheel_rail.compiled import Array, Record, Vector, compiled
-from wheel_rail.polach import polach_force
+from wheel_rail.contact_table import (
+    C11,
+    C22,
+    C23,
+    NODES,
+    PLACE_ALONG,
+    RAIL_Y,
+    RAIL_Z,
+    ROLLING_RADIUS,
+    SEMI_AXIS_A,
+    SEMI_AXIS_B,
+    SLOPE,
+    SPIN_FACTOR,
+    STIFFNESS,
+)
+from wheel_rail.creep_laws import creep_force
 
 # What `wheel_contact` reports for each wheel: forces (N), slopes of the creep force over the sliding velocity (Ns/m),
 # power (W), sliding velocity along the rail (m/s), penetration (m); then, for the Jacobian: the directions along the
 # rail and of the normal, the contact point from the wheelset's centre (3 each), the direction of the sliding velocity
-# in the contact plane (2), the share of a change of load in the change of the creep force (2), and the change of the
-# rolling radius with lateral displacement.
+# in the contact plane (2), the share of a change of load in the change of the creep force (2), the change of the
+# rolling radius with lateral displacement, and the normal stiffness (N/m).
 NORMAL, LONGITUDINAL, LATERAL, TANGENT, SECANT, SLIDE_POWER, SLIDE, PENETRATION = range(8)
 ALONG, UPWARDS, POINT = 8, 11, 14
-DIRECTION, LOAD_SHARE, RADIUS_SLOPE = 17, 19, 21
-REPORT = 22
+DIRECTION, LOAD_SHARE, RADIUS_SLOPE, NORMAL_STIFFNESS = 17, 19, 21, 22
+REPORT = 23
 
 
 @compiled
@@ -27,6 +44,15 @@ def _over_root(x: float) -> float:
     """1/sqrt(1 + x^2) to rounding for the slopes of cant ramps and yawed cones, |x| < 0.01."""
     x2 = x * x
     return 1.0 - 0.5 * x2 * (1.0 - 0.75 * x2 * (1.0 - 5.0 / 6.0 * x2))
+
+
+@compiled
+def table_place(displacement_m: float, constants: Record) -> tuple[int, float]:
+    """Node of the table below the displacement, and how far on to the next; beyond the table its end."""
+    u = (displacement_m - constants.first_m) / constants.step_m
+    u = min(max(u, 0.0), NODES - 1.0)
+    k = min(int(u), NODES - 2)
+    return k, u - k
 
 
 @compiled
@@ -55,12 +81,19 @@ def wheel_contact(
     track at the wheelset. Adds to `normal` (7,) and `creep` (7,): force (3) in the world, moment about the centre (3)
     without its part along the axle, and torque about the axle (1). `report` (REPORT,): see the constants above.
     """
-    r0 = constants.radius_m
-    half = side * constants.half_spacing_m
     tx, ty, tz = frame[3], frame[4], frame[5]
     nx, ny, nz = frame[6], frame[7], frame[8]
     bx, by, bz = frame[9], frame[10], frame[11]
     ex, ey, ez = axle[0], axle[1], axle[2]
+    dx, dy, dz = position[0] - frame[0], position[1] - frame[1], position[2] - frame[2]
+    # where wheel and rail touch at this displacement
+    k, u = table_place(dx * nx + dy * ny + dz * nz, constants)
+    low, high = constants.table[0 if side > 0 else 1, k], constants.table[0 if side > 0 else 1, k + 1]
+    along = side * (low[PLACE_ALONG] + u * (high[PLACE_ALONG] - low[PLACE_ALONG]))
+    radius = low[ROLLING_RADIUS] + u * (high[ROLLING_RADIUS] - low[ROLLING_RADIUS])
+    inward = -side * (low[SLOPE] + u * (high[SLOPE] - low[SLOPE]))
+    half = side * (low[RAIL_Y] + u * (high[RAIL_Y] - low[RAIL_Y]))
+    top = low[RAIL_Z] + u * (high[RAIL_Z] - low[RAIL_Z])
     # rail's own tangent: the cant ramp lifts one rail and lowers the other
     lift = half * frame[12] / (1.0 - half * frame[13])
     scale = _over_root(lift)
@@ -72,26 +105,23 @@ def wheel_contact(
     zy *= scale
     zz *= scale
     rx, ry, rz = ey * zz - ez * zy, ez * zx - ex * zz, ex * zy - ey * zx
-    # a yawed cone touches ahead of or behind the axle: turn the radial direction until the normal is square to the rail
-    ahead = side * constants.conicity * (ex * cx + ey * cy + ez * cz) / (rx * cx + ry * cy + rz * cz)
+    # a yawed wheel touches ahead of or behind the axle: turn the radial direction until the normal is square to the
+    # rail
+    ahead = -inward * (ex * cx + ey * cy + ez * cz) / (rx * cx + ry * cy + rz * cz)
     scale = _over_root(ahead)
     zx, zy, zz = (zx + ahead * rx) * scale, (zy + ahead * ry) * scale, (zz + ahead * rz) * scale
-    rx, ry, rz = ey * zz - ez * zy, ez * zx - ex * zz, ex * zy - ey * zx
-    # where on the axle the wheel stands above its rail
-    dx, dy, dz = position[0] - frame[0], position[1] - frame[1], position[2] - frame[2]
-    offset = dx * nx + dy * ny + dz * nz
-    radius = r0 + constants.conicity * side * offset
-    along = (half - offset + radius * (zx * nx + zy * ny + zz * nz)) / (ex * nx + ey * ny + ez * nz)
-    radius = r0 - constants.conicity * (side * along - constants.half_spacing_m)
     px, py, pz = along * ex - radius * zx, along * ey - radius * zy, along * ez - radius * zz
-    # normal of the cone at the contact, from the rail into the wheel
-    scale = constants.cosine
-    inward = -side * constants.conicity
+    # normal of the wheel at the contact, from the rail into the wheel
+    scale = 1.0 / math.sqrt(1.0 + inward * inward)
     mx, my, mz = (zx + inward * ex) * scale, (zy + inward * ey) * scale, (zz + inward * ez) * scale
-    depth = -((dx + px - half * nx) * mx + (dy + py - half * ny) * my + (dz + pz - half * nz) * mz)
+    depth = -(
+        (dx + px - half * nx - top * bx) * mx
+        + (dy + py - half * ny - top * by) * my
+        + (dz + pz - half * nz - top * bz) * mz
+    )
     report[PENETRATION] = depth
-    for k in range(PENETRATION):
-        report[k] = 0.0
+    for j in range(PENETRATION):
+        report[j] = 0.0
     if depth <= 0.0:
         return
     # velocity of the wheel's material at the contact
@@ -99,7 +129,8 @@ def wheel_contact(
     vx = velocity[0] + oy * pz - oz * py
     vy = velocity[1] + oz * px - ox * pz
     vz = velocity[2] + ox * py - oy * px
-    load = constants.stiffness_npm * depth - constants.damping_nspm * (vx * mx + vy * my + vz * mz)
+    stiffness = low[STIFFNESS] + u * (high[STIFFNESS] - low[STIFFNESS])
+    load = stiffness * depth - constants.damping_nspm * (vx * mx + vy * my + vz * mz)
     if load <= 0.0:
         return
     fx, fy, fz = load * mx, load * my, load * mz
@@ -122,18 +153,19 @@ def wheel_contact(
     # the ellipse grows with the cube root of the load at constant ratio
     growth = np.cbrt(load / constants.reference_load_n)
     patch = (
-        constants.patch[0] * growth,
-        constants.patch[1] * growth,
-        constants.patch[2],
-        constants.patch[3],
-        constants.patch[4],
-        constants.patch[5],
+        growth * (low[SEMI_AXIS_A] + u * (high[SEMI_AXIS_A] - low[SEMI_AXIS_A])),
+        growth * (low[SEMI_AXIS_B] + u * (high[SEMI_AXIS_B] - low[SEMI_AXIS_B])),
+        low[C11] + u * (high[C11] - low[C11]),
+        low[C22] + u * (high[C22] - low[C22]),
+        low[C23] + u * (high[C23] - low[C23]),
+        low[SPIN_FACTOR] + u * (high[SPIN_FACTOR] - low[SPIN_FACTOR]),
     )
     spin = (ox * mx + oy * my + oz * mz) / speed
     slide = math.sqrt(slide_c * slide_c + slide_l * slide_l)
-    along_rail, across, tangent, secant = polach_force(
-        slide_c / speed, slide_l / speed, spin, slide, load, patch, law, constants.shear_modulus_pa
-    )
+    along_rail, across, tangent, secant = creep_force(
+        constants.law, constants.law_address, constants.law_extra,
+        slide_c / speed, slide_l / speed, spin, slide, load, patch, law, constants.shear_modulus_pa,
+    )  # fmt: skip
     fx, fy, fz = along_rail * cx + across * lx, along_rail * cy + across * ly, along_rail * cz + across * lz
     qx, qy, qz = py * fz - pz * fy, pz * fx - px * fz, px * fy - py * fx
     torque = qx * ex + qy * ey + qz * ez
@@ -153,7 +185,8 @@ def wheel_contact(
     rising = tangent / speed if tangent > 0.0 else 0.0
     report[LOAD_SHARE] = (along_rail + rising * slide_c) / load
     report[LOAD_SHARE + 1] = (across + rising * slide_l) / load
-    report[RADIUS_SLOPE] = side * constants.conicity
+    report[RADIUS_SLOPE] = (high[ROLLING_RADIUS] - low[ROLLING_RADIUS]) / constants.step_m
+    report[NORMAL_STIFFNESS] = stiffness
     report[NORMAL] = load
     report[LONGITUDINAL] = along_rail
     report[LATERAL] = across

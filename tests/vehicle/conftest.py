@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vehicle import COACH_PRESETS, OBSERVATION, Actuation, Coach, CoachParameters, CoachState, SolveReport
-from wheel_rail import Adhesion, AdhesionParameters, ConicalContact, Track, TrackParameters
+from wheel_rail import Adhesion, AdhesionParameters, Contact, Track, TrackParameters
 
 RECORD_S = 0.005
 
@@ -24,7 +24,7 @@ class Bench:
     """A coach on its line; `run` returns the observations every 5 ms."""
 
     parameters: CoachParameters
-    contact: ConicalContact
+    contact: Contact
     track: Track
     adhesion: Adhesion
     coach: Coach
@@ -66,7 +66,7 @@ def make_bench(parameters: CoachParameters) -> MakeBench:
     def make(peak_adhesion: float = 0.3, surface: str = "dry", **line: object) -> Bench:
         track_parameters = TrackParameters.model_validate({"length_m": 4000.0, **line})
         track = Track(track_parameters)
-        contact = ConicalContact(
+        contact = Contact(
             parameters.contact, 0.5 * parameters.wheelset.wheel_diameter_m, parameters.static_wheel_load_n
         )
         rail = AdhesionParameters.model_validate(

@@ -9,19 +9,26 @@ from wheel_rail import (
     REFERENCE_SPEED_MPS,
     Adhesion,
     AdhesionParameters,
-    ConicalContact,
-    ConicalContactParameters,
+    Contact,
+    ContactParameters,
 )
+from wheel_rail.contact_parameters import ConicalGeometry
 from wheel_rail.polach import peak_adhesion
 
-CONTACT = ConicalContact(
-    ConicalContactParameters(
-        conicity=0.05, rail_head_radius_m=0.3, shear_modulus_pa=82e9, poisson=0.28, stiffness_npm=1e8, damping_nspm=3e4,
-        flange_clearance_m=0.007, flange_stiffness_npm=1e7, creep_speed_mps=0.2,
+CONTACT = Contact(
+    ContactParameters(
+        geometry="conical",
+        conical=ConicalGeometry(conicity=0.05, rail_head_radius_m=0.3, flange_clearance_m=0.007),
+        shear_modulus_pa=82e9,
+        poisson=0.28,
+        track_stiffness_npm=1e8,
+        damping_nspm=3e4,
+        flange_stiffness_npm=1e7,
+        creep_speed_mps=0.2,
     ),
     0.46,
     70e3,
-)  # fmt: skip
+)
 FIELD = AdhesionParameters.model_validate(
     {
         "stretches": [
