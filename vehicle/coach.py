@@ -1,11 +1,11 @@
 """The coach as an Exudyn system: seven rigid bodies and four spinning wheelsets, solved in one run with a callback.
 
-Exudyn holds bodies and integrates (generalised-alpha); all forces come from the compiled routine of `vehicle.forces`.
-Each step is one linearised solve (no Newton iteration) with the Jacobian refreshed when it has aged. The spectral
-radius is low on purpose: creep is stiff, and at 0.9 the algorithmic accelerations of the spins ring for dozens of steps
-and a stale Jacobian makes false creep forces and chatter at standstill; at 0.1 they are gone after two steps, while
-body and bogie modes, slow against the step, stay undamped. A wheel that regains grip below about 2 m/s may shoot over
-for a step of 5 ms.
+Exudyn holds masses and coordinates and integrates (generalised-alpha); all forces come from the compiled routine of
+`vehicle.forces`. Each step is one linearised solve (no Newton iteration) with the Jacobian refreshed when it has aged.
+The spectral radius is low on purpose: creep is stiff, and at 0.9 the algorithmic accelerations of the spins ring for
+dozens of steps and a stale Jacobian makes false creep forces and chatter at standstill; at 0.1 they are gone after two
+steps, while body and bogie modes, slow against the step, stay undamped. A wheel that regains grip below about 2 m/s may
+shoot over for a step of 5 ms.
 
 The callback has a period of its own, a whole multiple of the step. At each of its instants t_k the state of t_k is
 handed to `on_step`; what that returns acts from t_k until the next instant. So the actuation answers a state with no
@@ -25,8 +25,9 @@ from typing import Any
 
 import numpy as np
 
-from vehicle.forces import coach_force, coach_jacobian
-from vehicle.layout import BODIES, COORDINATES, SPIN
+from vehicle.forces import coach_force
+from vehicle.jacobian import coach_jacobian
+from vehicle.layout import COORDINATES, SPIN, masses
 from vehicle.observation import observe
 from vehicle.parameters import CoachParameters
 from vehicle.start import start_state
@@ -150,30 +151,25 @@ class Coach:
 
 
 def _assemble(mbs: Any, record: np.ndarray, q: np.ndarray, v: np.ndarray) -> int:
-    """Add bodies, spins and the object that carries all forces, at q, v (46,); returns that object's number."""
-    from exudyn.itemInterface import (
-        Node1D,
-        NodeRigidBodyRotVecLG,
-        ObjectGenericODE2,
-        ObjectRigidBody,
-        ObjectRotationalMass1D,
-    )
+    """Add one node of all coordinates, at q, v (46,), and one object with all masses and forces; returns its number.
+
+    The mass matrix is diagonal and constant: velocities are those of the bodies' own axes, and what remains of a rigid
+    body, omega x J omega, is among the compiled forces. A node and an object for each body, and Exudyn's Lie-group
+    nodes, say the same (`vehicle.layout`) at three times the cost of a step.
+    """
+    from exudyn.itemInterface import NodeGenericODE2, ObjectGenericODE2
 
     coach = record[0]
-    nodes = []
-    for i in range(BODIES):
-        own = slice(6 * i, 6 * i + 6)
-        node = mbs.AddNode(NodeRigidBodyRotVecLG(initialCoordinates=[*q[own]], initialVelocities=[*v[own]]))
-        inertia = [*map(float, coach["inertia"][i]), 0.0, 0.0, 0.0]
-        mbs.AddObject(ObjectRigidBody(mass=float(coach["mass"][i]), inertia=inertia, nodeNumber=node))
-        nodes.append(node)
-    for i in range(SPIN, COORDINATES):
-        node = mbs.AddNode(Node1D(referenceCoordinates=[0.0], initialCoordinates=[q[i]], initialVelocities=[v[i]]))
-        mbs.AddObject(ObjectRotationalMass1D(inertia=float(coach["spin_inertia"]), nodeNumber=node))
-        nodes.append(node)
-    no_mass = np.zeros((COORDINATES, COORDINATES))
+    node = mbs.AddNode(
+        NodeGenericODE2(
+            referenceCoordinates=[0.0] * COORDINATES,
+            initialCoordinates=[*q],
+            initialCoordinates_t=[*v],
+            numberOfODE2Coordinates=COORDINATES,
+        )
+    )
     number: int = mbs.AddObject(
-        ObjectGenericODE2(nodeNumbers=nodes, massMatrix=no_mass, forceVector=np.zeros(COORDINATES))
+        ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.diag(masses(coach)), forceVector=np.zeros(COORDINATES))
     )
     return number
 
@@ -202,13 +198,16 @@ class _Run:
         self._coach = record[0]
         force = np.zeros(COORDINATES)
         jacobian = np.zeros((COORDINATES, COORDINATES))
+        container = sys.modules["exudyn"].MatrixContainer
 
         def newton_jacobian(
             _mbs: Any, _t: float, _item: int, _q: np.ndarray, _v: np.ndarray, factor_q: float, factor_v: float
-        ) -> np.ndarray:
+        ) -> Any:
             self.jacobians += 1
-            coach_jacobian(q, v, factor_q, factor_v, record, track, adhesion, jacobian)
-            return jacobian
+            coach_jacobian(q, v, factor_q, factor_v, record, jacobian)
+            sparse = container()
+            sparse.SetWithDenseMatrix(jacobian, False)
+            return sparse
 
         def pre_step(_mbs: Any, _end_s: float) -> bool:
             steps = self.steps
@@ -282,7 +281,7 @@ def _settings(exu: ModuleType, step_s: float, longest_s: float) -> Any:
     integration.stepInformation = 0
     integration.newton.active = False
     integration.newton.useModifiedNewton = True
-    settings.linearSolver.solverType = exu.LinearSolverType.EigenDense
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     settings.parallel.numberOfThreads = 1
     settings.solution.file.write = False
     settings.solution.sensors.active = False

@@ -1,22 +1,16 @@
-"""All forces on the coach in one compiled routine, by class, and the Jacobian that the implicit solver needs.
+"""All forces on the coach in one compiled routine, by class.
 
 Classes (rows of `force`): gravity, suspension, normal contact (with flange), creep, brake, drive, resistance,
-gyroscopic coupling of the spinning wheelsets. Their sum is the right-hand side of M q'' = f; each class times the
-velocities is its power, so that energy is audited class by class.
+gyroscopic terms of the turning bodies and spinning wheelsets. Their sum is the right-hand side of M q'' = f; each
+class times the velocities is its power, so that energy is audited class by class.
 """
 
 import math
 
-import numpy as np
-
 from vehicle.layout import GRAVITY_MPS2
-from vehicle.suspension import add_suspension, add_suspension_jacobian, body_frames
+from vehicle.suspension import add_suspension, body_frames
 from wheel_rail.compiled import Array, Record, compiled
 from wheel_rail.contact import (
-    NORMAL,
-    REPORT,
-    SECANT,
-    TANGENT,
     flange_force,
     rail_law,
     wheel_contact,
@@ -93,17 +87,16 @@ def _brake_torque(i: int, angle: float, spin_radps: float, coach: Record) -> tup
 def forces_by_class(q: Array, v: Array, coach: Record, track: Array, adhesion: Array) -> None:
     """Fill `coach.force` (8, 46); needs nothing but the state and the step memory of the brake."""
     body_frames(q, v, coach)
-    forces_of_frames(q, v, coach, track, adhesion)
-
-
-@compiled
-def forces_of_frames(q: Array, v: Array, coach: Record, track: Array, adhesion: Array) -> None:
-    """`forces_by_class` with the bodies' rotations and angular velocities as they stand in `coach`."""
     force = coach.force
     force[:, :] = 0.0
     locate(q, coach, track)
     for i in range(7):
         force[GRAVITY, 6 * i + 2] = -coach.mass[i] * GRAVITY_MPS2
+        inertia = coach.inertia[i]
+        x, y, z = v[6 * i + 3], v[6 * i + 4], v[6 * i + 5]
+        force[GYROSCOPIC, 6 * i + 3] = (inertia[1] - inertia[2]) * y * z
+        force[GYROSCOPIC, 6 * i + 4] = (inertia[2] - inertia[0]) * z * x
+        force[GYROSCOPIC, 6 * i + 5] = (inertia[0] - inertia[1]) * x * y
     add_suspension(q, v, coach, force[SUSPENSION])
     # running resistance at the carbody's centre, against its motion along the track
     frame = coach.frame[4]
@@ -142,8 +135,8 @@ def forces_of_frames(q: Array, v: Array, coach: Record, track: Array, adhesion: 
             force[BRAKE, bogie + 3 + j] -= torque * along
             force[DRIVE, bogie + 3 + j] -= coach.drive[i] * along
         momentum = coach.spin_inertia * spin
-        force[GYROSCOPIC, at + 3] = momentum * v[at + 5]
-        force[GYROSCOPIC, at + 5] = -momentum * v[at + 3]
+        force[GYROSCOPIC, at + 3] += momentum * v[at + 5]
+        force[GYROSCOPIC, at + 5] -= momentum * v[at + 3]
 
 
 @compiled
@@ -162,92 +155,3 @@ def coach_force(q: Array, v: Array, f: Array, record: Record, track: Array, adhe
     coach = record[0]
     forces_by_class(q, v, coach, track, adhesion)
     add_classes(coach, f)
-
-
-@compiled
-def coach_jacobian(
-    q: Array, v: Array, factor_q: float, factor_v: float, record: Record, track: Array, adhesion: Array, jacobian: Array
-) -> None:
-    """-(df/dq factor_q + df/dv factor_v), dense (46, 46); rotations are perturbed by body-axes increments.
-
-    Suspension analytically, contacts by forward differences along the combined direction, one coordinate at a time.
-    """
-    coach = record[0]
-    jacobian[:, :] = 0.0
-    body_frames(q, v, coach)
-    locate(q, coach, track)
-    add_suspension_jacobian(q, v, coach, factor_q, factor_v, jacobian)
-    normal, creep = coach.probe_wheelset[0], coach.probe_wheelset[1]
-    rest = coach.probe_wheelset[2]
-    turned = np.empty((3, 3))
-    position = np.empty(3)
-    velocity = np.empty(3)
-    rate = np.empty(3)
-    report = np.empty((2, REPORT))
-    epsilon = _STEP_PROBE / max(factor_v, 1.0)
-    for i in range(4):
-        at, spin_at = 18 + 6 * i, 42 + i
-        rotation = coach.rotation[3 + i]
-        for side in range(2):
-            rail_law(coach.s[i], side, coach.cell_m, adhesion, coach.law[side, i])
-        position[:] = q[at : at + 3]
-        velocity[:] = v[at : at + 3]
-        rate[:] = v[at + 3 : at + 6]
-        wheelset_contact(i, position, rotation, velocity, rate, v[spin_at], coach, normal, creep, report)
-        for side in range(2):
-            coach.old_tangent[i, side] = report[side, TANGENT]
-            coach.old_secant[i, side] = report[side, SECANT]
-            coach.old_touch[i, side] = 1.0 if report[side, NORMAL] > 0.0 else 0.0
-        for k in range(7):
-            rest[k] = normal[k] + creep[k]
-        step_q, step_v = epsilon * factor_q, epsilon * factor_v
-        for j in range(7):
-            column = at + j if j < 6 else spin_at
-            if j < 3:
-                position[j] += step_q
-                velocity[j] += step_v
-                wheelset_contact(i, position, rotation, velocity, rate, v[spin_at], coach, normal, creep, report)
-                position[j] = q[at + j]
-                velocity[j] = v[at + j]
-            elif j < 6:
-                axis = j - 3
-                # R (I + [dtheta]x) to first order
-                one, two = (axis + 1) % 3, (axis + 2) % 3
-                for m in range(3):
-                    turned[m, axis] = rotation[m, axis]
-                    turned[m, one] = rotation[m, one] + step_q * rotation[m, two]
-                    turned[m, two] = rotation[m, two] - step_q * rotation[m, one]
-                rate[axis] += step_v
-                wheelset_contact(i, position, turned, velocity, rate, v[spin_at], coach, normal, creep, report)
-                rate[axis] = v[at + j]
-            else:
-                wheelset_contact(
-                    i, position, rotation, velocity, rate, v[spin_at] + step_v, coach, normal, creep, report
-                )
-            for k in range(6):
-                jacobian[at + k, column] -= (normal[k] + creep[k] - rest[k]) / epsilon
-            jacobian[spin_at, column] -= (creep[6] - rest[6]) / epsilon
-        _, stuck = _brake_torque(i, q[spin_at], v[spin_at], coach)
-        coach.old_stuck[i] = stuck
-        if stuck > 0.0:
-            stiffness = factor_q * coach.caliper_stiffness + factor_v * coach.caliper_damping
-            jacobian[spin_at, spin_at] += stiffness
-            frame_rotation = coach.rotation[coach.bogie_of[i]]
-            for j in range(3):
-                along = 0.0
-                for m in range(3):
-                    along += frame_rotation[m, j] * rotation[m, 1]
-                jacobian[6 * coach.bogie_of[i] + 3 + j, spin_at] -= stiffness * along
-        momentum = coach.spin_inertia * v[spin_at]
-        jacobian[at + 3, at + 5] -= factor_v * momentum
-        jacobian[at + 5, at + 3] += factor_v * momentum
-        jacobian[at + 3, spin_at] -= factor_v * coach.spin_inertia * v[at + 5]
-        jacobian[at + 5, spin_at] += factor_v * coach.spin_inertia * v[at + 3]
-    coach.old_heading = math.atan2(coach.rotation[0, 1, 0], coach.rotation[0, 0, 0])
-    frame = coach.frame[4]
-    speed = abs(v[0] * frame[3] + v[1] * frame[4] + v[2] * frame[5])
-    fall = 1.0 - math.tanh(speed / 0.1) ** 2
-    slope = factor_v * (coach.resistance[0] * fall / 0.1 + coach.resistance[1] + 2.0 * speed * coach.resistance[2])
-    for i in range(3):
-        for j in range(3):
-            jacobian[i, j] += slope * frame[3 + i] * frame[3 + j]

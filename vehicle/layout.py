@@ -1,7 +1,10 @@
 """From parameters to the record of numbers that the compiled routines work on.
 
-Bodies: 0 carbody, 1 and 2 bogies, 3..6 wheelsets (carriers that do not spin). Coordinates: six per body (world
-position, rotation vector; velocities: world velocity, angular velocity in body axes), then the four spin angles: 46.
+Bodies: 0 carbody, 1 and 2 bogies, 3..6 wheelsets (carriers that do not spin). Coordinates: six per body, then the four
+spin angles: 46. A body's coordinates are its world position and its turn, the integral of its angular velocity in body
+axes; velocities are world velocity and angular velocity in body axes. A turn has no meaning by itself: what it grows by
+in a step is the rotation vector of that step (the incremental rotation of a Lie-group integrator), and `attitude` is
+where the body had turned to when the turn was `turned`.
 """
 
 import numpy as np
@@ -49,6 +52,8 @@ COACH = np.dtype(
         ("cell_m", "f8"),
         ("track_origin_m", "f8"),
         # what changes from step to step
+        ("attitude", "f8", (BODIES, 4)),  # unit quaternion (w, x, y, z) of the last committed rotation
+        ("turned", "f8", (BODIES, 3)),  # turn coordinates at that rotation
         ("s", "f8", (5,)),  # place of the wheelsets and of the carbody's centre along the track
         ("capacity", "f8", (4,)),  # friction torque that the brake can hold, Nm
         ("drive", "f8", (4,)),  # drive torque, Nm
@@ -57,7 +62,7 @@ COACH = np.dtype(
         ("steps", "i8"),
         ("last_v", "f8", (COORDINATES,)),
         ("algorithmic", "f8", (COORDINATES,)),  # accelerations of the generalised-alpha method
-        ("ahead_q", "f8", (COORDINATES,)),  # the predictor, but for rotation vectors
+        ("ahead_q", "f8", (COORDINATES,)),  # the predictor
         ("ahead_v", "f8", (COORDINATES,)),
         # worked out in every evaluation
         ("rotation", "f8", (BODIES, 3, 3)),
@@ -79,7 +84,8 @@ COACH = np.dtype(
         ("moment", "f8", (BODIES, 3)),
         ("probe_element", "f8", (12,)),
         ("probe_map", "f8", (12,)),
-        ("probe_wheelset", "f8", (5, 7)),
+        ("probe_wheelset", "f8", (2, 7)),
+        ("probe_rows", "f8", (6, 7)),
     ]
 )
 
@@ -106,6 +112,12 @@ def coach_record(parameters: CoachParameters, contact: ConicalContact) -> np.nda
     c["turns"] = np.any(c["rotational_stiffness"] + c["rotational_damping"] > 0.0, axis=1)
     c["pushes"] = np.any(c["stiffness"] + c["damping"] > 0.0, axis=1) | np.any(c["damper"] >= 0, axis=1)
     return coach
+
+
+def masses(coach: np.void) -> np.ndarray:
+    """Diagonal of the mass matrix (46,)."""
+    bodies = [m for i in range(BODIES) for m in ([coach["mass"][i]] * 3 + list(coach["inertia"][i]))]
+    return np.array(bodies + [coach["spin_inertia"]] * 4)
 
 
 def centres(parameters: CoachParameters) -> np.ndarray:

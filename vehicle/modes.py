@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from vehicle.forces import coach_force
-from vehicle.layout import BODIES, COORDINATES, SPIN
+from vehicle.layout import COORDINATES, SPIN, masses
 from vehicle.parameters import CoachParameters
 from vehicle.start import start_state
 from wheel_rail import Adhesion, AdhesionParameters, ConicalContact, Track, TrackParameters
@@ -47,10 +47,7 @@ def stiffness_matrix(parameters: CoachParameters, speed_mps: float) -> tuple[np.
         step = np.zeros(COORDINATES)
         step[j] = _STEP_M
         stiffness[:, j] = -(force(q + step) - force(q - step)) / (2.0 * _STEP_M)
-    masses = [m for i in range(BODIES) for m in ([coach["mass"][i]] * 3 + list(coach["inertia"][i]))] + [
-        coach["spin_inertia"]
-    ] * 4
-    return np.diag(masses), stiffness
+    return np.diag(masses(coach)), stiffness
 
 
 def undamped_modes(parameters: CoachParameters, speed_mps: float = 20.0) -> list[Mode]:

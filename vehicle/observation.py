@@ -66,6 +66,11 @@ def observe(
     running = record[0]
     for i in range(5):
         coach.s[i] = running.s[i]
+    for i in range(7):
+        for j in range(4):
+            coach.attitude[i, j] = running.attitude[i, j]
+        for j in range(3):
+            coach.turned[i, j] = running.turned[i, j]
     for i in range(4):
         coach.capacity[i] = running.capacity[i]
         coach.drive[i] = running.drive[i]
@@ -93,22 +98,15 @@ def observe(
     along = accelerations[0] * frame[3] + accelerations[1] * frame[4] + accelerations[2] * frame[5]
     out.acceleration_mps2 = along
     accelerations[2] += GRAVITY_MPS2
-    a, b, c = v[3], v[4], v[5]
-    inertia = coach.inertia[0]
-    gyroscopic = (
-        (inertia[1] - inertia[2]) * b * c,
-        (inertia[2] - inertia[0]) * c * a,
-        (inertia[0] - inertia[1]) * a * b,
-    )
     for j in range(3):
         out.specific_force_mps2[j] = (
             r[0, j] * accelerations[0] + r[1, j] * accelerations[1] + r[2, j] * accelerations[2]
         )
         out.angular_rate_radps[j] = v[3 + j]
-        moment = gyroscopic[j]
+        moment = 0.0
         for k in range(8):
             moment += force[k, 3 + j]
-        out.angular_acceleration_radps2[j] = moment / inertia[j]
+        out.angular_acceleration_radps2[j] = moment / coach.inertia[0, j]
 
     energy = 0.0
     for j in range(3):

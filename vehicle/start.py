@@ -31,7 +31,7 @@ def start_state(
         track_frame(position_m + x, track.origin_m, track.table, frame)
         axes = frame[3:12].reshape(3, 3)
         q[6 * i : 6 * i + 3] = frame[:3] + z * axes[2]
-        q[6 * i + 3 : 6 * i + 6] = Rotation.from_matrix(axes.T).as_rotvec()
+        coach["attitude"][i] = Rotation.from_matrix(axes.T).as_quat(scalar_first=True)
         v[6 * i : 6 * i + 3] = speed_mps * axes[0]
         if i == 0 or i >= BODIES - 4:
             coach["s"][i - 3 if i else 4] = position_m + x

@@ -8,10 +8,8 @@ compiled call before the step does everything and Exudyn need not call back for 
 
 import math
 
-import numpy as np
-
-from vehicle.forces import add_classes, forces_of_frames
-from vehicle.suspension import body_frames
+from vehicle.forces import add_classes, forces_by_class
+from vehicle.suspension import commit_attitudes
 from wheel_rail.compiled import Array, Record, compiled
 from wheel_rail.contact import NORMAL, PENETRATION, SECANT, SLIDE, TANGENT
 
@@ -51,8 +49,9 @@ def begin_step(
         at = 18 + 6 * i if i < 4 else 0
         frame = coach.frame[i]
         coach.s[i] += step_s * (v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5])
+    commit_attitudes(q, coach)
     _to_predictor(q, v, a, step_s, coach)
-    forces_of_frames(coach.ahead_q, coach.ahead_v, coach, track, adhesion)
+    forces_by_class(coach.ahead_q, coach.ahead_v, coach, track, adhesion)
     add_classes(coach, f)
     return AGED if _jacobian_has_aged(step_s, coach) else FRESH
 
@@ -93,10 +92,9 @@ def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
 
 @compiled
 def _to_predictor(q: Array, v: Array, a: Array, step_s: float, coach: Record) -> None:
-    """Predicted coordinates and velocities into `coach.ahead_q`, `coach.ahead_v`; rotations and rates of the bodies.
+    """Predicted coordinates and velocities into `coach.ahead_q`, `coach.ahead_v`.
 
-    The algorithmic acceleration follows from the velocities: v1 = v0 + h ((1 - gamma) A0 + gamma A1). The rotation
-    vectors of `ahead_q` are left alone, since the forces take rotations from the matrices.
+    The algorithmic acceleration follows from the velocities: v1 = v0 + h ((1 - gamma) A0 + gamma A1).
     """
     first = coach.steps == 0
     coach.steps += 1
@@ -110,28 +108,4 @@ def _to_predictor(q: Array, v: Array, a: Array, step_s: float, coach: Record) ->
         now = coach.algorithmic[j]
         end = (ALPHA_F * a[j] - ALPHA_M * now) / (1.0 - ALPHA_M)
         coach.ahead_v[j] = v[j] + step_s * ((1.0 - GAMMA) * now + GAMMA * end)
-        # increments; of rotations they are in body axes
-        coach.ahead_q[j] = step_s * v[j] + step_s * step_s * ((0.5 - BETA) * now + BETA * end)
-    body_frames(q, v, coach)
-    turned = np.empty((3, 3))
-    for i in range(7):
-        at = 6 * i
-        r = coach.rotation[i]
-        x, y, z = coach.ahead_q[at + 3], coach.ahead_q[at + 4], coach.ahead_q[at + 5]
-        # exponential map of a turn of well under 0.01 rad, to its fourth order
-        angle2 = x * x + y * y + z * z
-        s, t = 1.0 - angle2 / 6.0, 0.5 - angle2 / 24.0
-        for j in range(3):
-            u0, u1, u2 = r[j, 0], r[j, 1], r[j, 2]
-            # u + s (u x theta)... : row vector times Exp(theta) = I + s [theta] + t [theta]^2
-            p0, p1, p2 = u1 * z - u2 * y, u2 * x - u0 * z, u0 * y - u1 * x
-            turned[j, 0] = u0 + s * p0 + t * (p1 * z - p2 * y)
-            turned[j, 1] = u1 + s * p1 + t * (p2 * x - p0 * z)
-            turned[j, 2] = u2 + s * p2 + t * (p0 * y - p1 * x)
-        x, y, z = coach.ahead_v[at + 3], coach.ahead_v[at + 4], coach.ahead_v[at + 5]
-        for j in range(3):
-            r[j, 0], r[j, 1], r[j, 2] = turned[j, 0], turned[j, 1], turned[j, 2]
-            coach.rate[i, j] = r[j, 0] * x + r[j, 1] * y + r[j, 2] * z
-            coach.ahead_q[at + j] += q[at + j]
-    for j in range(42, 46):
-        coach.ahead_q[j] += q[j]
+        coach.ahead_q[j] = q[j] + step_s * v[j] + step_s * step_s * ((0.5 - BETA) * now + BETA * end)

@@ -13,28 +13,58 @@ from wheel_rail.compiled import Array, Record, compiled
 
 @compiled
 def body_frames(q: Array, v: Array, coach: Record) -> None:
-    """Rotation matrices (exponential map of the rotation vectors) and world angular velocities of the seven bodies."""
+    """Rotation matrices of the seven bodies at q and their world angular velocities."""
     for i in range(7):
-        a, b, c = q[6 * i + 3], q[6 * i + 4], q[6 * i + 5]
-        angle2 = a * a + b * b + c * c
-        if angle2 < 1e-8:
-            s, t = 1.0 - angle2 / 6.0, 0.5 - angle2 / 24.0
-        else:
-            angle = math.sqrt(angle2)
-            s, t = math.sin(angle) / angle, (1.0 - math.cos(angle)) / angle2
+        w, x, y, z = attitude(i, q, coach)
         r = coach.rotation[i]
-        r[0, 0] = 1.0 - t * (b * b + c * c)
-        r[0, 1] = t * a * b - s * c
-        r[0, 2] = t * a * c + s * b
-        r[1, 0] = t * a * b + s * c
-        r[1, 1] = 1.0 - t * (a * a + c * c)
-        r[1, 2] = t * b * c - s * a
-        r[2, 0] = t * a * c - s * b
-        r[2, 1] = t * b * c + s * a
-        r[2, 2] = 1.0 - t * (a * a + b * b)
+        r[0, 0] = 1.0 - 2.0 * (y * y + z * z)
+        r[0, 1] = 2.0 * (x * y - w * z)
+        r[0, 2] = 2.0 * (x * z + w * y)
+        r[1, 0] = 2.0 * (x * y + w * z)
+        r[1, 1] = 1.0 - 2.0 * (x * x + z * z)
+        r[1, 2] = 2.0 * (y * z - w * x)
+        r[2, 0] = 2.0 * (x * z - w * y)
+        r[2, 1] = 2.0 * (y * z + w * x)
+        r[2, 2] = 1.0 - 2.0 * (x * x + y * y)
         x, y, z = v[6 * i + 3], v[6 * i + 4], v[6 * i + 5]
         for j in range(3):
             coach.rate[i, j] = r[j, 0] * x + r[j, 1] * y + r[j, 2] * z
+
+
+@compiled
+def attitude(i: int, q: Array, coach: Record) -> tuple[float, float, float, float]:
+    """Unit quaternion of body i at q: the committed one, turned by what the turn coordinates have grown since."""
+    a = 0.5 * (q[6 * i + 3] - coach.turned[i, 0])
+    b = 0.5 * (q[6 * i + 4] - coach.turned[i, 1])
+    c = 0.5 * (q[6 * i + 5] - coach.turned[i, 2])
+    angle2 = a * a + b * b + c * c
+    # sine over angle and cosine to rounding for half turns below 0.03 rad: a step turns a body by far less
+    s = 1.0 - angle2 / 6.0 * (1.0 - angle2 / 20.0 * (1.0 - angle2 / 42.0))
+    d = 1.0 - 0.5 * angle2 * (1.0 - angle2 / 12.0 * (1.0 - angle2 / 30.0))
+    a *= s
+    b *= s
+    c *= s
+    old = coach.attitude[i]
+    w, x, y, z = old[0], old[1], old[2], old[3]
+    return (
+        w * d - x * a - y * b - z * c,
+        w * a + x * d + y * c - z * b,
+        w * b - x * c + y * d + z * a,
+        w * c + x * b - y * a + z * d,
+    )
+
+
+@compiled
+def commit_attitudes(q: Array, coach: Record) -> None:
+    """Take the rotations at q as those from which the next turns count."""
+    for i in range(7):
+        w, x, y, z = attitude(i, q, coach)
+        # one Newton step to unit length: products drift by rounding only
+        scale = 1.5 - 0.5 * (w * w + x * x + y * y + z * z)
+        own = coach.attitude[i]
+        own[0], own[1], own[2], own[3] = w * scale, x * scale, y * scale, z * scale
+        for j in range(3):
+            coach.turned[i, j] = q[6 * i + 3 + j]
 
 
 @compiled

@@ -11,9 +11,15 @@ import numpy as np
 from wheel_rail.compiled import Array, Record, Vector, compiled
 from wheel_rail.polach import polach_force
 
-# what `wheel_contact` reports for each wheel
+# What `wheel_contact` reports for each wheel: forces (N), slopes of the creep force over the sliding velocity (Ns/m),
+# power (W), sliding velocity along the rail (m/s), penetration (m); then, for the Jacobian: the directions along the
+# rail and of the normal, the contact point from the wheelset's centre (3 each), the direction of the sliding velocity
+# in the contact plane (2), the share of a change of load in the change of the creep force (2), and the change of the
+# rolling radius with lateral displacement.
 NORMAL, LONGITUDINAL, LATERAL, TANGENT, SECANT, SLIDE_POWER, SLIDE, PENETRATION = range(8)
-REPORT = 8
+ALONG, UPWARDS, POINT = 8, 11, 14
+DIRECTION, LOAD_SHARE, RADIUS_SLOPE = 17, 19, 21
+REPORT = 22
 
 
 @compiled
@@ -138,6 +144,16 @@ def wheel_contact(
     creep[4] += qy - torque * ey
     creep[5] += qz - torque * ez
     creep[6] += torque
+    report[ALONG], report[ALONG + 1], report[ALONG + 2] = cx, cy, cz
+    report[UPWARDS], report[UPWARDS + 1], report[UPWARDS + 2] = mx, my, mz
+    report[POINT], report[POINT + 1], report[POINT + 2] = px, py, pz
+    if slide > 0.0:
+        report[DIRECTION], report[DIRECTION + 1] = slide_c / slide, slide_l / slide
+    # F = limit g(creep/limit): what does not grow with the creep grows with the load
+    rising = tangent / speed if tangent > 0.0 else 0.0
+    report[LOAD_SHARE] = (along_rail + rising * slide_c) / load
+    report[LOAD_SHARE + 1] = (across + rising * slide_l) / load
+    report[RADIUS_SLOPE] = side * constants.conicity
     report[NORMAL] = load
     report[LONGITUDINAL] = along_rail
     report[LATERAL] = across

@@ -68,6 +68,9 @@ def polach_force(
         * stiffness
         * (rail[3] * (1.0 - eps_a * eps_a) / (denominator * denominator) + rail[4] / (1.0 + eps_s * eps_s))
     )
+    # friction falls as the slip speed rises with the creep: what does not follow from the creep follows the limit
+    fall = -rail[2] * (mu - rail[0] * rail[1]) / mu
+    tangent += (force - tangent * total) * fall * slip_speed_mps / total
     fx = -force * creep_x / total
     fy = -force * creep_y / total
     if spin_1pm != 0.0:

@@ -1,0 +1,52 @@
+"""What the creep laws share: the friction at a slip speed, the total creepage and its direction."""
+
+import math
+
+from wheel_rail.compiled import Array, compiled
+
+
+@compiled
+def friction(rail: Array, slip_speed_mps: float) -> float:
+    """mu(w) = mu0 ((1 - A) exp(-B w) + A), `rail` = (mu0, A, B in s/m, kA, kS). O. Polach, Wear 258 (2005) 992-1000."""
+    return rail[0] * ((1.0 - rail[1]) * math.exp(-rail[2] * slip_speed_mps) + rail[1])
+
+
+@compiled
+def tangent_with_fall(
+    tangent: float, force_n: float, creep: float, slip_speed_mps: float, mu: float, rail: Array
+) -> float:
+    """Tangent dF/ds when the slip speed grows with the creep, from the `tangent` at fixed friction.
+
+    `force_n` along the slip at resultant creepage `creep` without spin. Forces are homogeneous in creepage and mu N, so
+    what the force does not owe to the creepage, F - s dF/ds, it owes to mu N (exact without spin).
+    """
+    if creep < 1e-14:
+        return tangent
+    fall = -rail[2] * (mu - rail[0] * rail[1]) / mu
+    return tangent + (force_n - tangent * creep) * fall * slip_speed_mps / creep
+
+
+@compiled
+def total_creep(creep_x: float, creep_y: float, spin_1pm: float, a_m: float) -> float:
+    """Resultant creepage sqrt(xi^2 + etac^2), etac the larger in size of eta and eta + phi a.
+
+    Source: O. Polach, Vehicle System Dynamics Supplement 33 (1999) 728-739, eq. 4.
+    """
+    counted = counted_lateral_creep(creep_y, spin_1pm, a_m)
+    return math.sqrt(creep_x * creep_x + counted * counted)
+
+
+@compiled
+def counted_lateral_creep(creep_y: float, spin_1pm: float, a_m: float) -> float:
+    """Lateral creepage with spin where spin increases it (etac of `total_creep`)."""
+    with_spin = creep_y + spin_1pm * a_m
+    return with_spin if abs(with_spin) > abs(creep_y) else creep_y
+
+
+@compiled
+def slip_direction(creep_x: float, creep_y: float) -> tuple[float, float]:
+    """Unit vector along the creepage without spin; along the track where there is none."""
+    size = math.sqrt(creep_x * creep_x + creep_y * creep_y)
+    if size < 1e-14:
+        return 1.0, 0.0
+    return creep_x / size, creep_y / size
