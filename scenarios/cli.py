@@ -115,6 +115,29 @@ def bench(
             write_benchmarks(json_file, rows)
 
 
+@app.command()
+def verify(
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="Write the table to this file as well.")
+    ] = None,
+    docs: Annotated[
+        Path | None,
+        typer.Option(
+            "--write-docs", metavar="DIR", help="Write the table to DIR/VALIDATION.md, with its pictures beside it."
+        ),
+    ] = None,
+) -> None:
+    """Check the program against published figures and closed forms; fails if one misses its tolerance."""
+    with _exit_codes():
+        use_compile_cache()
+        from rich.console import Console
+
+        from scenarios.verification.command import verify_and_report
+
+        if not verify_and_report(Console(), Console(stderr=True), json_file, docs):
+            raise typer.Exit(FAILED)
+
+
 @app.command(name="list")
 def list_names() -> None:
     """List scenarios, controllers, estimators and presets."""

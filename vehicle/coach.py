@@ -32,7 +32,8 @@ from vehicle.observation import OBSERVATION, observe
 from vehicle.parameters import CoachParameters
 from vehicle.start import start_state
 from vehicle.stepping import FRESH, LOST, SPECTRAL_RADIUS, begin_step
-from wheel_rail import Adhesion, Contact, Track
+from wheel_rail import Contact, Track
+from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import address_of
 
 
@@ -45,11 +46,12 @@ class Actuation:
     """What acts on the coach during one step; per wheelset.
 
     `brake_torque_nm`: friction torque that the brake can hold, >= 0 (whether it slides or sticks comes out of the
-    motion); `drive_torque_nm`: positive forwards.
+    motion); `drive_torque_nm`: positive forwards. `sanders` (m, 3): rows of `wheel_rail.sanding.Sanders`, at most 8.
     """
 
     brake_torque_nm: np.ndarray = field(default_factory=lambda: np.zeros(4))
     drive_torque_nm: np.ndarray = field(default_factory=lambda: np.zeros(4))
+    sanders: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
 
 
 class CoachState:
@@ -99,12 +101,16 @@ OnStep = Callable[[float, CoachState], Actuation | None]
 
 
 class Coach:
-    """A coach on a track; see the module's description for how a run proceeds."""
+    """A coach on a track; see the module's description for how a run proceeds.
 
-    def __init__(self, parameters: CoachParameters, contact: Contact, track: Track, adhesion: Adhesion) -> None:
+    `rail` is what its wheels run on: the coach leaves its marks there (energy, sand), so that whatever runs on the same
+    tables later meets them.
+    """
+
+    def __init__(self, parameters: CoachParameters, contact: Contact, track: Track, rail: RailTables) -> None:
         self.parameters = parameters
         self._track = track
-        self._adhesion = adhesion
+        self._rail = rail
         self._contact = contact
 
     def run(
@@ -124,7 +130,7 @@ class Coach:
         """
         exu = load_exudyn()
         record, q, v = start_state(
-            self.parameters, self._contact, self._track, self._adhesion, initial_position_m, initial_speed_mps
+            self.parameters, self._contact, self._track, self._rail, initial_position_m, initial_speed_mps
         )
         container = exu.SystemContainer()  # owns the system: it must outlive the solve
         mbs = container.AddSystem()
@@ -133,7 +139,7 @@ class Coach:
         every = round(period_s / step_s)
         if every < 1 or abs(every * step_s - period_s) > 1e-9:
             raise ValueError(f"period_s = {period_s}: must be a whole multiple of step_s = {step_s}")
-        run = _Run(mbs, system, solver, record, self._track.table, self._adhesion.table, step_s, on_step, every)
+        run = _Run(mbs, system, solver, record, self._track.table, self._rail, step_s, on_step, every)
         settings = _settings(exu, step_s, longest_s)
         collecting = gc.isenabled()
         gc.disable()  # a callback makes no cycles, and the collector would look through everything again and again
@@ -189,7 +195,7 @@ class _Run:
         solver: Any,
         record: np.ndarray,
         track: np.ndarray,
-        adhesion: np.ndarray,
+        rail: RailTables,
         step_s: float,
         on_step: OnStep,
         every: int,
@@ -228,6 +234,9 @@ class _Run:
                     return False
                 capacity[:] = answer.brake_torque_nm
                 drive[:] = answer.drive_torque_nm
+                if len(answer.sanders):
+                    coach["sander_count"] = len(answer.sanders)
+                    coach["sanders"][: len(answer.sanders)] = answer.sanders
             self.steps = steps + 1
             condition = begin_step(address, step_s)
             set_parameter(system, "forceVector", force)
@@ -250,11 +259,10 @@ class _Run:
         coach = record[0]
         coach["solver_at"] = [address_of(array) for array in (q, v, a, force)]
         coach["track_at"], coach["track_nodes"] = address_of(track), len(track)
-        coach["adhesion_at"], coach["adhesion_cells"] = address_of(adhesion), adhesion.shape[1]
         address = address_of(record)
         state = CoachState(q, v, record)
         self._state = state
-        coach_force(q, v, force, record, track, adhesion)
+        coach_force(q, v, force, record, track, rail)
         set_parameter(system, "forceVector", force)
         mbs.SetPreStepUserFunction(pre_step)
 

@@ -9,16 +9,14 @@ import math
 
 from vehicle.layout import GRAVITY_MPS2
 from vehicle.suspension import add_suspension, body_frames
+from wheel_rail.adhesion_condition import rail_condition
+from wheel_rail.adhesion_memory import recall_friction
+from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Record, compiled
-from wheel_rail.contact import (
-    flange_force,
-    rail_law,
-    wheel_contact,
-)
+from wheel_rail.contact import flange_force, wheel_contact
 from wheel_rail.track import track_frame
 
 GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, GYROSCOPIC = range(8)
-_STEP_PROBE = 1e-6
 
 
 @compiled
@@ -57,10 +55,10 @@ def wheelset_contact(
     frame = coach.frame[i]
     contact = coach.contact
     wheel_contact(
-        1, position, axle, velocity, carrier, spin_radps, frame, contact, coach.law[0, i], normal, creep, report[0]
+        1, position, axle, velocity, carrier, spin_radps, frame, contact, coach.condition[0, i], normal, creep, report[0]
     )
     wheel_contact(
-        -1, position, axle, velocity, carrier, spin_radps, frame, contact, coach.law[1, i], normal, creep, report[1]
+        -1, position, axle, velocity, carrier, spin_radps, frame, contact, coach.condition[1, i], normal, creep, report[1]
     )
     flange_force(position, frame, contact, normal)
     for force in (normal, creep):
@@ -84,7 +82,7 @@ def _brake_torque(i: int, angle: float, spin_radps: float, coach: Record) -> tup
 
 
 @compiled
-def forces_by_class(q: Array, v: Array, coach: Record, track: Array, adhesion: Array) -> None:
+def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailTables) -> None:
     """Fill `coach.force` (8, 46); needs nothing but the state and the step memory of the brake."""
     body_frames(q, v, coach)
     force = coach.force
@@ -110,8 +108,13 @@ def forces_by_class(q: Array, v: Array, coach: Record, track: Array, adhesion: A
         at, spin_at, bogie = 18 + 6 * i, 42 + i, 6 * coach.bogie_of[i]
         rotation = coach.rotation[3 + i]
         spin = v[spin_at]
+        frame = coach.frame[i]
+        along = v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5]
+        coach.along[i] = along
         for side in range(2):
-            rail_law(coach.s[i], side, coach.cell_m, adhesion, coach.law[side, i])
+            rail_condition(coach.s[i], side, along, rail, coach.condition[side, i])
+            if rail.memory_distance_m > 0.0:
+                recall_friction(coach.condition[side, i], coach.memory[side, i])
         normal, creep = coach.probe_wheelset[0], coach.probe_wheelset[1]
         wheelset_contact(
             i, q[at : at + 3], rotation, v[at : at + 3], v[at + 3 : at + 6], spin, coach, normal, creep, coach.report[i]
@@ -150,8 +153,8 @@ def add_classes(coach: Record, f: Array) -> None:
 
 
 @compiled
-def coach_force(q: Array, v: Array, f: Array, record: Record, track: Array, adhesion: Array) -> None:
+def coach_force(q: Array, v: Array, f: Array, record: Record, track: Array, rail: RailTables) -> None:
     """Total generalised force f (46,) at state q, v (46,)."""
     coach = record[0]
-    forces_by_class(q, v, coach, track, adhesion)
+    forces_by_class(q, v, coach, track, rail)
     add_classes(coach, f)

@@ -1,7 +1,7 @@
 """The Jacobian that the implicit solver needs, analytic, at the state of the last evaluation of the forces.
 
 It is -(df/dq factor_q + df/dv factor_v); turns are increments in body axes. Left out, because they are small against
-mass over step squared: geometric stiffness, gyroscopic terms of the bodies, the turn of the contact's own axes, and the
+mass over step squared: geometric stiffness, gyroscopic terms of the bodies, and the
 part of Kalker's C22 over C11 in the direction of the creep force.
 """
 
@@ -15,6 +15,7 @@ from wheel_rail.contact import (
     LOAD_SHARE,
     NORMAL,
     NORMAL_STIFFNESS,
+    NORMAL_TURN,
     POINT,
     RADIUS_SLOPE,
     SECANT,
@@ -99,10 +100,13 @@ def _add_contact(
     bend = report[TANGENT] - secant
     cc, cl, ll = secant + bend * ec * ec, bend * ec * el, secant + bend * el * el
     share_c, share_l = report[LOAD_SHARE], report[LOAD_SHARE + 1]
+    turn = factor_q * report[NORMAL_TURN]
     for b in range(7):
         push = stiffness * normal[b]
         drag_c = cc * slide_c[b] + cl * slide_l[b] + share_c * push
         drag_l = cl * slide_c[b] + ll * slide_l[b] + share_l * push
+        if b < 3:
+            drag_l += turn * across[b]
         column = 18 + 6 * i + b if b < 6 else 42 + i
         for a in range(6):
             jacobian[18 + 6 * i + a, column] += along[a] * drag_c + across[a] * drag_l + normal[a] * push

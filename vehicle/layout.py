@@ -11,8 +11,11 @@ import numpy as np
 
 from vehicle.parameters import Characteristic, CoachParameters
 from wheel_rail import CONTACT, Contact
+from wheel_rail.adhesion_memory import MEMORY
+from wheel_rail.adhesion_state import RAIL
 from wheel_rail.compiled import record_reader
 from wheel_rail.contact import REPORT
+from wheel_rail.recovery import CONDITION
 
 GRAVITY_MPS2 = 9.81
 BODIES = 7
@@ -21,6 +24,7 @@ SPIN = 42  # first spin coordinate
 ELEMENTS = 20  # 8 primary, 4 secondary, 4 yaw dampers, 2 traction rods, 2 anti-roll bars
 CURVE_POINTS = 12
 CURVES = 7
+SANDERS = 8  # at most
 
 COACH = np.dtype(
     [
@@ -50,17 +54,19 @@ COACH = np.dtype(
         ("curve_slope", "f8", (CURVES, CURVE_POINTS)),  # of the piece that ends at the point
         ("curve_points", "i8", (CURVES,)),
         ("bogie_of", "i8", (4,)),
-        ("cell_m", "f8"),
         ("track_origin_m", "f8"),
-        # where the arrays of a run stand: q, v, accelerations and forces of the solver, track and adhesion
+        # where the arrays of a run stand: q, v, accelerations and forces of the solver, track and rail
         ("solver_at", "i8", (4,)),
         ("track_at", "i8"),
         ("track_nodes", "i8"),
-        ("adhesion_at", "i8"),
-        ("adhesion_cells", "i8"),
+        ("rail", RAIL),
         # what changes from step to step
         ("attitude", "f8", (BODIES, 4)),  # unit quaternion (w, x, y, z) of the last committed rotation
         ("turned", "f8", (BODIES, 3)),  # turn coordinates at that rotation
+        ("memory", "f8", (2, 4, MEMORY)),  # what each wheel remembers of its friction
+        ("passed", "f8", (4,)),  # place up to which each wheelset has left its mark on the rail
+        ("sanders", "f8", (SANDERS, 3)),  # rows of `Sanders.rows`
+        ("sander_count", "i8"),
         ("s", "f8", (5,)),  # place of the wheelsets and of the carbody's centre along the track
         ("capacity", "f8", (4,)),  # friction torque that the brake can hold, Nm
         ("drive", "f8", (4,)),  # drive torque, Nm
@@ -75,7 +81,8 @@ COACH = np.dtype(
         ("rotation", "f8", (BODIES, 3, 3)),
         ("rate", "f8", (BODIES, 3)),  # angular velocity in the world
         ("frame", "f8", (5, 14)),
-        ("law", "f8", (2, 4, 5)),
+        ("along", "f8", (4,)),  # speed of the wheelsets along the track
+        ("condition", "f8", (2, 4, CONDITION)),  # of the rail under each wheel
         ("report", "f8", (4, 2, REPORT)),
         ("brake_torque", "f8", (4,)),
         ("stuck", "f8", (4,)),

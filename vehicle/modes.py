@@ -9,7 +9,7 @@ from vehicle.forces import coach_force
 from vehicle.layout import COORDINATES, SPIN, masses
 from vehicle.parameters import CoachParameters
 from vehicle.start import start_state
-from wheel_rail import Adhesion, AdhesionParameters, Contact, Track, TrackParameters
+from wheel_rail import Adhesion, AdhesionParameters, Contact, RailState, Track, TrackParameters
 
 _STEP_M = 1e-6
 _STRAIGHT_M = 200.0
@@ -31,13 +31,13 @@ def stiffness_matrix(parameters: CoachParameters, speed_mps: float) -> tuple[np.
     contact = Contact(parameters.contact, 0.5 * parameters.wheelset.wheel_diameter_m, parameters.static_wheel_load_n)
     track = Track(TrackParameters(length_m=_STRAIGHT_M))
     dry = AdhesionParameters.model_validate({"stretches": [{"from_m": 0.0, "surface": "dry", "peak_adhesion": 0.3}]})
-    adhesion = Adhesion(dry, _STRAIGHT_M, contact, np.random.default_rng(0))
-    record, q, v = start_state(parameters, contact, track, adhesion, 0.5 * _STRAIGHT_M, speed_mps)
+    rail = Adhesion(dry, _STRAIGHT_M, contact, np.random.default_rng(0)).tables(RailState(_STRAIGHT_M))
+    record, q, v = start_state(parameters, contact, track, rail, 0.5 * _STRAIGHT_M, speed_mps)
     coach = record[0]
 
     def force(at: np.ndarray) -> np.ndarray:
         f = np.empty(COORDINATES)
-        coach_force(at, v, f, record, track.table, adhesion.table)
+        coach_force(at, v, f, record, track.table, rail)
         return f
 
     stiffness = np.empty((COORDINATES, COORDINATES))

@@ -9,8 +9,11 @@ import numpy as np
 
 from vehicle.forces import BRAKE, CONTACT_NORMAL, CREEP, DRIVE, GRAVITY, RESISTANCE, SUSPENSION, forces_by_class
 from vehicle.layout import GRAVITY_MPS2, coach_at
+from wheel_rail.adhesion_memory import MEMORY
+from wheel_rail.adhesion_state import rail_of
 from wheel_rail.compiled import array_at, compiled, record_reader
 from wheel_rail.contact import LATERAL, LONGITUDINAL, NORMAL, SLIDE_POWER
+from wheel_rail.recovery import CONDITION
 
 # order of the force classes in `power_w`
 POWERS = ("gravity", "suspension", "contact_normal", "creep", "brake", "drive", "resistance")
@@ -41,7 +44,7 @@ OBSERVATION = np.dtype(
         ("normal_force_n", "f8", (8,)),  # 1L 1R 2L 2R ...
         ("longitudinal_force_n", "f8", (8,)),
         ("lateral_force_n", "f8", (8,)),
-        ("rail_law", "f8", (2, 4, 5)),
+        ("rail_condition", "f8", (2, 4, CONDITION)),
     ]
 )
 
@@ -61,7 +64,6 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
     out = _row_at(row_address)
     q, v = array_at(running.solver_at[0], (46,)), array_at(running.solver_at[1], (46,))
     track = array_at(running.track_at, (running.track_nodes, 10))
-    adhesion = array_at(running.adhesion_at, (2, running.adhesion_cells, 5))
     for i in range(5):
         coach.s[i] = running.s[i]
     for i in range(7):
@@ -74,7 +76,10 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
         coach.drive[i] = running.drive[i]
         coach.wind_up[i] = running.wind_up[i]
         coach.angle[i] = running.angle[i]
-    forces_by_class(q, v, coach, track, adhesion)
+        for side in range(2):
+            for k in range(MEMORY):
+                coach.memory[side, i, k] = running.memory[side, i, k]
+    forces_by_class(q, v, coach, track, rail_of(running.rail))
     force = coach.force
     out.t_s = t_s
     out.position_m = coach.s[4]
@@ -147,5 +152,5 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
             out.longitudinal_force_n[2 * i + side] = report[LONGITUDINAL]
             out.lateral_force_n[2 * i + side] = report[LATERAL]
             out.friction_power_w[i] += report[SLIDE_POWER]
-            for k in range(5):
-                out.rail_law[side, i, k] = coach.law[side, i, k]
+            for k in range(CONDITION):
+                out.rail_condition[side, i, k] = coach.condition[side, i, k]

@@ -5,7 +5,8 @@ from scipy.spatial.transform import Rotation
 
 from vehicle.layout import BODIES, COORDINATES, SPIN, centres, coach_record
 from vehicle.parameters import CoachParameters
-from wheel_rail import Adhesion, Contact, Track
+from wheel_rail import Contact, Track
+from wheel_rail.adhesion_state import RailTables, rail_record
 from wheel_rail.track import track_frame
 
 
@@ -13,17 +14,18 @@ def start_state(
     parameters: CoachParameters,
     contact: Contact,
     track: Track,
-    adhesion: Adhesion,
+    rail: RailTables,
     position_m: float,
     speed_mps: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Record for the compiled routines, coordinates q and velocities v (46,).
+    """Record for the compiled routines, coordinates q and velocities v (46,); keep `rail` alive as long as the record.
 
     Every body stands square to the track at its own place, at the height of static equilibrium on level straight track.
     """
     record = coach_record(parameters, contact)
     coach = record[0]
-    coach["cell_m"] = adhesion.cell_m
+    coach["rail"] = rail_record(rail)
+    coach["memory"] = 1.0
     coach["track_origin_m"] = track.origin_m
     q, v = np.zeros(COORDINATES), np.zeros(COORDINATES)
     frame = np.empty(14)
@@ -35,5 +37,6 @@ def start_state(
         v[6 * i : 6 * i + 3] = speed_mps * axes[0]
         if i == 0 or i >= BODIES - 4:
             coach["s"][i - 3 if i else 4] = position_m + x
+    coach["passed"] = coach["s"][:4]
     v[SPIN:] = speed_mps / contact.rolling_radius_m
     return record, q, v

@@ -11,8 +11,12 @@ import math
 from vehicle.forces import add_classes, forces_by_class
 from vehicle.layout import coach_at
 from vehicle.suspension import commit_attitudes
+from wheel_rail.adhesion_condition import rail_condition
+from wheel_rail.adhesion_memory import remember_friction
+from wheel_rail.adhesion_state import RailTables, crush_sand, deposit, rail_of
 from wheel_rail.compiled import Array, Record, array_at, compiled
-from wheel_rail.contact import NORMAL, PENETRATION, SECANT, SLIDE, TANGENT
+from wheel_rail.contact import NORMAL, PENETRATION, SECANT, SLIDE, SLIDE_POWER, SLIDE_SPEED, TANGENT
+from wheel_rail.sanding import lay_sand
 
 SPECTRAL_RADIUS = 0.1
 ALPHA_M = (2.0 * SPECTRAL_RADIUS - 1.0) / (SPECTRAL_RADIUS + 1.0)
@@ -36,7 +40,7 @@ def begin_step(address: int, step_s: float) -> int:
     q, v = array_at(coach.solver_at[0], (46,)), array_at(coach.solver_at[1], (46,))
     a, f = array_at(coach.solver_at[2], (46,)), array_at(coach.solver_at[3], (46,))
     track = array_at(coach.track_at, (coach.track_nodes, 10))
-    adhesion = array_at(coach.adhesion_at, (2, coach.adhesion_cells, 5))
+    rail = rail_of(coach.rail)
     for j in range(46):
         if not math.isfinite(v[j]):
             return LOST
@@ -49,15 +53,39 @@ def begin_step(address: int, step_s: float) -> int:
         wind_up = coach.wind_up[i] + q[42 + i] - coach.angle[i]
         coach.wind_up[i] = min(max(wind_up, -limit), limit)
         coach.angle[i] = q[42 + i]
+    _mark_rail(step_s, coach, rail)
     for i in range(5):
         at = 18 + 6 * i if i < 4 else 0
         frame = coach.frame[i]
         coach.s[i] += step_s * (v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5])
     commit_attitudes(q, coach)
     _to_predictor(q, v, a, step_s, coach)
-    forces_by_class(coach.ahead_q, coach.ahead_v, coach, track, adhesion)
+    forces_by_class(coach.ahead_q, coach.ahead_v, coach, track, rail)
     add_classes(coach, f)
     return AGED if _jacobian_has_aged(step_s, coach) else FRESH
+
+
+@compiled
+def _mark_rail(step_s: float, coach: Record, rail: RailTables) -> None:
+    """What the wheels have done to the rail in the step that has ended: energy left, sand crushed and laid."""
+    for i in range(4):
+        for side in range(2):
+            report = coach.report[i, side]
+            deposit(rail, side, coach.passed[i], coach.s[i], step_s * report[SLIDE_POWER])
+            if rail.memory_distance_m > 0.0:
+                condition = coach.condition[side, i]
+                rail_condition(coach.s[i], side, coach.along[i], rail, condition)
+                remember_friction(
+                    condition, coach.memory[side, i], report[SLIDE_SPEED], step_s, rail.memory_distance_m,
+                    rail.memory_lowest_slip_mps,
+                )  # fmt: skip
+    if coach.sander_count > 0:
+        for i in range(4):
+            for side in range(2):
+                crush_sand(rail, side, coach.passed[i], coach.s[i])
+        lay_sand(rail, coach.sanders[: coach.sander_count], coach.passed, coach.s, step_s)
+    for i in range(4):
+        coach.passed[i] = coach.s[i]
 
 
 @compiled

@@ -7,6 +7,7 @@ SI units throughout; compiled functions take world vectors of three components.
 """
 
 from wheel_rail.adhesion import REFERENCE_LOAD_N, REFERENCE_SPEED_MPS, Adhesion, AdhesionParameters
+from wheel_rail.adhesion_state import RailState
 from wheel_rail.contact_parameters import ContactParameters
 from wheel_rail.contact_table import CONTACT, Contact
 from wheel_rail.polach import SURFACES
@@ -21,6 +22,7 @@ __all__ = [
     "AdhesionParameters",
     "Contact",
     "ContactParameters",
+    "RailState",
     "Track",
     "TrackParameters",
 ]

@@ -26,17 +26,18 @@ from wheel_rail.contact_table import (
     SPIN_FACTOR,
     STIFFNESS,
 )
-from wheel_rail.creep_laws import creep_force
+from wheel_rail.recovery import adhesive_force
 
 # What `wheel_contact` reports for each wheel: forces (N), slopes of the creep force over the sliding velocity (Ns/m),
 # power (W), sliding velocity along the rail (m/s), penetration (m); then, for the Jacobian: the directions along the
 # rail and of the normal, the contact point from the wheelset's centre (3 each), the direction of the sliding velocity
 # in the contact plane (2), the share of a change of load in the change of the creep force (2), the change of the
-# rolling radius with lateral displacement, and the normal stiffness (N/m).
+# rolling radius with lateral displacement, the normal stiffness (N/m), what the turning of the normal with lateral
+# displacement adds to the lateral stiffness (N/m), and the sliding speed (m/s).
 NORMAL, LONGITUDINAL, LATERAL, TANGENT, SECANT, SLIDE_POWER, SLIDE, PENETRATION = range(8)
 ALONG, UPWARDS, POINT = 8, 11, 14
-DIRECTION, LOAD_SHARE, RADIUS_SLOPE, NORMAL_STIFFNESS = 17, 19, 21, 22
-REPORT = 23
+DIRECTION, LOAD_SHARE, RADIUS_SLOPE, NORMAL_STIFFNESS, NORMAL_TURN, SLIDE_SPEED = 17, 19, 21, 22, 23, 24
+REPORT = 25
 
 
 @compiled
@@ -56,29 +57,15 @@ def table_place(displacement_m: float, constants: Record) -> tuple[int, float]:
 
 
 @compiled
-def rail_law(s_m: float, side: int, cell_m: float, table: Array, law: Array) -> None:
-    """Friction-law parameters (mu0, A, B, kA, kS) of one rail (0 left, 1 right) at s, into `law` (5,)."""
-    u = max(s_m / cell_m, 0.0)
-    k = int(u)
-    last = table.shape[1] - 2
-    if k > last:
-        k = last
-        u = last + 1.0
-    u -= k
-    for j in range(5):
-        law[j] = table[side, k, j] + u * (table[side, k + 1, j] - table[side, k, j])
-
-
-@compiled
 def wheel_contact(
     side: int, position: Array, axle: Vector, velocity: Array, carrier_rate: Vector, spin_radps: float, frame: Array,
-    constants: Record, law: Array, normal: Array, creep: Array, report: Array,
+    constants: Record, condition: Array, normal: Array, creep: Array, report: Array,
 ) -> None:  # fmt: skip
     """Forces of one wheel (`side` +1 left, -1 right) on its wheelset.
 
     `position`, `velocity` (3,): wheelset centre in the world; `axle` (3,): unit vector of the axle to the left;
     `carrier_rate` (3,): angular velocity of the wheelset without its part along the axle, rad/s; `frame` (14,): the
-    track at the wheelset. Adds to `normal` (7,) and `creep` (7,): force (3) in the world, moment about the centre (3)
+    track at the wheelset; `constants`: record of dtype CONTACT; `condition` (CONDITION,): the rail's, under this wheel. Adds to `normal` (7,) and `creep` (7,): force (3) in the world, moment about the centre (3)
     without its part along the axle, and torque about the axle (1). `report` (REPORT,): see the constants above.
     """
     tx, ty, tz = frame[3], frame[4], frame[5]
@@ -162,9 +149,9 @@ def wheel_contact(
     )
     spin = (ox * mx + oy * my + oz * mz) / speed
     slide = math.sqrt(slide_c * slide_c + slide_l * slide_l)
-    along_rail, across, tangent, secant = creep_force(
+    along_rail, across, tangent, secant = adhesive_force(
         constants.law, constants.law_address, constants.law_extra,
-        slide_c / speed, slide_l / speed, spin, slide, load, patch, law, constants.shear_modulus_pa,
+        slide_c / speed, slide_l / speed, spin, slide, forward, load, patch, condition, constants.shear_modulus_pa,
     )  # fmt: skip
     fx, fy, fz = along_rail * cx + across * lx, along_rail * cy + across * ly, along_rail * cz + across * lz
     qx, qy, qz = py * fz - pz * fy, pz * fx - px * fz, px * fy - py * fx
@@ -187,6 +174,8 @@ def wheel_contact(
     report[LOAD_SHARE + 1] = (across + rising * slide_l) / load
     report[RADIUS_SLOPE] = (high[ROLLING_RADIUS] - low[ROLLING_RADIUS]) / constants.step_m
     report[NORMAL_STIFFNESS] = stiffness
+    report[NORMAL_TURN] = side * load * (high[SLOPE] - low[SLOPE]) / constants.step_m
+    report[SLIDE_SPEED] = slide
     report[NORMAL] = load
     report[LONGITUDINAL] = along_rail
     report[LATERAL] = across

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from vehicle import COACH_PRESETS, OBSERVATION, Actuation, Coach, CoachParameters, CoachState, SolveReport
-from wheel_rail import Adhesion, AdhesionParameters, Contact, Track, TrackParameters
+from wheel_rail import Adhesion, AdhesionParameters, Contact, RailState, Track, TrackParameters
+from wheel_rail.adhesion_state import RailTables
 
 RECORD_S = 0.005
 
@@ -26,7 +27,7 @@ class Bench:
     parameters: CoachParameters
     contact: Contact
     track: Track
-    adhesion: Adhesion
+    rail: RailTables
     coach: Coach
 
     def run(
@@ -69,10 +70,11 @@ def make_bench(parameters: CoachParameters) -> MakeBench:
         contact = Contact(
             parameters.contact, 0.5 * parameters.wheelset.wheel_diameter_m, parameters.static_wheel_load_n
         )
-        rail = AdhesionParameters.model_validate(
+        found = AdhesionParameters.model_validate(
             {"stretches": [{"from_m": 0.0, "surface": surface, "peak_adhesion": peak_adhesion}]}
         )
-        adhesion = Adhesion(rail, track_parameters.length_m, contact, np.random.default_rng(1))
-        return Bench(parameters, contact, track, adhesion, Coach(parameters, contact, track, adhesion))
+        length_m = track_parameters.length_m
+        rail = Adhesion(found, length_m, contact, np.random.default_rng(1)).tables(RailState(length_m))
+        return Bench(parameters, contact, track, rail, Coach(parameters, contact, track, rail))
 
     return make

@@ -14,14 +14,14 @@ from vehicle.start import start_state
 
 def at_rest(bench: Bench, speed_mps: float = 20.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Record, q and v of the coach standing in its suspension on level straight track, rolling."""
-    return start_state(bench.parameters, bench.contact, bench.track, bench.adhesion, 100.0, speed_mps)
+    return start_state(bench.parameters, bench.contact, bench.track, bench.rail, 100.0, speed_mps)
 
 
 def test_static_wheel_loads(make_bench: MakeBench) -> None:
     """56 t on eight wheels: 68.67 kN each, and no body is pushed up or down."""
     bench = make_bench()
     record, q, v = at_rest(bench)
-    forces_by_class(q, v, record[0], bench.track.table, bench.adhesion.table)
+    forces_by_class(q, v, record[0], bench.track.table, bench.rail)
     coach = record[0]
     vertical = coach["report"][:, :, 0] / np.sqrt(1.0 + 0.05**2)
     assert vertical == pytest.approx(np.full((4, 2), 68_670.0), rel=1e-6)
@@ -49,7 +49,7 @@ def test_suspension_conserves_momentum_and_angular_momentum(make_bench: MakeBenc
     record, q, v = at_rest(bench)
     q, v = disturbed(seed, q, v)
     coach = record[0]
-    forces_by_class(q, v, coach, bench.track.table, bench.adhesion.table)
+    forces_by_class(q, v, coach, bench.track.table, bench.rail)
     f = coach["force"][SUSPENSION]
     force, moment, size = np.zeros(3), np.zeros(3), 0.0
     for i in range(BODIES):
@@ -82,7 +82,7 @@ def test_springs_without_dampers_are_conservative(make_bench: MakeBench, seed: i
     work, size = 0.0, 0.0
     angles = np.linspace(0.0, 2.0 * np.pi, 201)
     for a in 0.5 * (angles[1:] + angles[:-1]):
-        forces_by_class(q + one * np.cos(a) + two * np.sin(a), v, coach, bench.track.table, bench.adhesion.table)
+        forces_by_class(q + one * np.cos(a) + two * np.sin(a), v, coach, bench.track.table, bench.rail)
         step = (-one * np.sin(a) + two * np.cos(a)) * (angles[1] - angles[0])
         work += coach["force"][SUSPENSION] @ step
         size += abs(coach["force"][SUSPENSION] @ step)
@@ -99,7 +99,7 @@ def test_jacobian_is_the_derivative_of_the_force(make_bench: MakeBench, slip: fl
     record[0]["capacity"] = 1e4 if slip == 1.0 else 0.0
     factor_q, factor_v = 1.0, 400.0
     jacobian = np.empty((COORDINATES, COORDINATES))
-    arguments = (record, bench.track.table, bench.adhesion.table)
+    arguments = (record, bench.track.table, bench.rail)
     coach_force(q, v, np.empty(COORDINATES), *arguments)
     coach_jacobian(q, v, factor_q, factor_v, record, jacobian)
     differences = np.empty_like(jacobian)

@@ -1,0 +1,104 @@
+"""Adhesion of the rail: degraded adhesion that recovers, and adhesion over speed."""
+
+from functools import cache, partial
+
+import numpy as np
+
+from scenarios.verification.case import Case
+from wheel_rail import Adhesion, AdhesionParameters, ConicalContact, ConicalContactParameters
+from wheel_rail.adhesion_condition import rail_condition
+from wheel_rail.adhesion_state import RailState, RailTables
+from wheel_rail.creep_laws import CREEP_LAWS
+from wheel_rail.recovery import CONDITION, adhesive_force, offered_adhesion
+
+ALLOTTA = "Allotta et al. 2014"
+LOAD_N, SHEAR_PA = 68.7e3, 82e9
+LENGTH_M = 50.0
+ALLOTTA_SPEED_MPS = 120.0 / 3.6
+# speed and relative tolerance: below 18 km/h the correction for the creep law is linear over a wide step
+CURTIUS_KNIFFLER_KMH = ((5.0, 0.03), (50.0, 0.005), (100.0, 0.005), (200.0, 0.005))
+
+
+@cache
+def _contact() -> ConicalContact:
+    """Wheels of 920 mm on a rail head of 300 mm, under the load of a wheel of the coach."""
+    parameters = ConicalContactParameters(
+        conicity=0.05,
+        rail_head_radius_m=0.3,
+        shear_modulus_pa=SHEAR_PA,
+        poisson=0.28,
+        stiffness_npm=1e8,
+        damping_nspm=3e4,
+        flange_clearance_m=0.007,
+        flange_stiffness_npm=1e7,
+        creep_speed_mps=0.2,
+    )
+    return ConicalContact(parameters, 0.46, LOAD_N)
+
+
+@cache
+def _rail(key: str, value: str) -> RailTables:
+    """A rail of one stretch, on which no train has been."""
+    stretch = {"from_m": 0.0, key: value} | ({"surface": "dry"} if key == "speed_law" else {})
+    parameters = AdhesionParameters.model_validate({"stretches": [stretch]})
+    return Adhesion(parameters, LENGTH_M, _contact(), np.random.default_rng(1)).tables(RailState(LENGTH_M))
+
+
+def _condition(rail: RailTables, speed_mps: float) -> np.ndarray:
+    condition = np.empty(CONDITION)
+    rail_condition(0.5 * LENGTH_M, 0, speed_mps, rail, condition)
+    return condition
+
+
+def _offered(rail: RailTables, speed_mps: float) -> float:
+    """Peak adhesion on rail as found, by Polach's law."""
+    law = CREEP_LAWS["polach"].in_force()
+    condition = _condition(rail, speed_mps)
+    peak, _ = offered_adhesion(
+        law.number, law.address, law.extra, speed_mps, LOAD_N, _contact().patch, condition, SHEAR_PA, False
+    )
+    return float(peak)
+
+
+def _locked() -> float:
+    """Adhesion of a locked wheel that cleans degraded rail for itself."""
+    law = CREEP_LAWS["polach"].in_force()
+    speed = ALLOTTA_SPEED_MPS
+    condition = _condition(_rail("recovery", "allotta-2014"), speed)
+    fx, _, _, _ = adhesive_force(
+        law.number, law.address, law.extra, 1.0, 0.0, 0.0, speed, speed, LOAD_N, _contact().patch, condition, SHEAR_PA
+    )
+    return -float(fx) / LOAD_N
+
+
+def _recovery_cases() -> list[Case]:
+    group = "Degraded adhesion that recovers"
+    return [
+        Case(
+            "recovery-degraded", group, "degraded peak at 120 km/h, published parameters", ALLOTTA, 0.116, "-",
+            lambda: _offered(_rail("recovery", "allotta-2014"), ALLOTTA_SPEED_MPS), 0.001,
+        ),
+        Case(
+            "recovery-locked", group, "locked wheel at 120 km/h, cleaning for itself, published parameters", ALLOTTA,
+            0.27, "-", _locked, 0.005,
+        ),
+    ]  # fmt: skip
+
+
+def _curtius_kniffler_cases() -> list[Case]:
+    return [
+        Case(
+            f"curtius-kniffler-{speed_kmh:.0f}", "Adhesion over speed",
+            f"peak adhesion of a rail with this speed law at {speed_kmh:.0f} km/h: 0.161 + 7.5/(v + 44)",
+            "Curtius and Kniffler 1950", 0.161 + 7.5 / (speed_kmh + 44.0), "-",
+            partial(_offered_over_speed, speed_kmh), tolerance, relative=True,
+        )
+        for speed_kmh, tolerance in CURTIUS_KNIFFLER_KMH
+    ]  # fmt: skip
+
+
+def _offered_over_speed(speed_kmh: float) -> float:
+    return _offered(_rail("speed_law", "curtius-kniffler"), speed_kmh / 3.6)
+
+
+CASES = (*_recovery_cases(), *_curtius_kniffler_cases())

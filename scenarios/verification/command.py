@@ -1,0 +1,50 @@
+"""What `railslide verify` does: progress, table, verdict, files."""
+
+from pathlib import Path
+
+from rich.console import Console
+
+from scenarios.errors import BadInput, Fault
+from scenarios.verification import all_cases
+from scenarios.verification.case import Case
+from scenarios.verification.report import (
+    deviations,
+    missed,
+    terminal_tables,
+    verdict,
+    verify,
+    write_json,
+    write_page,
+)
+
+
+def verify_and_report(console: Console, progress: Console, json_file: Path | None, docs: Path | None) -> bool:
+    """Compute and show the whole table, write the files asked for; whether no row missed.
+
+    The progress goes to `progress` where that is a terminal. Raises BadInput, before any work, for files that cannot
+    be written.
+    """
+    if json_file is not None:
+        write_json(json_file, [])
+    if docs is not None and not docs.is_dir():
+        raise BadInput(Fault("--write-docs", str(docs), "is not a folder"))
+    cases = all_cases()
+    with progress.status("compiling") as status:
+
+        def on_case(k: int, case: Case) -> None:
+            status.update(f"{k + 1} of {len(cases)}: {case.group}")
+
+        outcomes = verify(cases, on_case)
+        if json_file is not None:
+            write_json(json_file, outcomes)
+        if docs is not None:
+            from scenarios.verification.pictures import write_pictures  # matplotlib takes a while to import
+
+            status.update("drawing")
+            write_page(docs, outcomes, write_pictures(docs))
+    for table in terminal_tables(outcomes):
+        console.print(table)
+    for line in deviations(outcomes):
+        console.print(f"known deviation: {line}", highlight=False, markup=False)
+    console.print(verdict(outcomes), highlight=False)
+    return not missed(outcomes)

@@ -1,0 +1,98 @@
+"""What a wheel meets: the rail's condition at its place, from the tables of the line and what the rail has kept."""
+
+import math
+
+from wheel_rail.adhesion_curves import (
+    FIRST_SPEED_MPS,
+    KMH_PER_MPS,
+    RATIO,
+    SAND_SCALE,
+    SANDED,
+    SPEED_CORRECTION,
+    SPEED_LAW,
+    SPEEDS,
+    curtius_kniffler,
+)
+from wheel_rail.adhesion_state import ENERGY_KEPT, SAND_KEPT, RailTables
+from wheel_rail.compiled import Array, compiled
+from wheel_rail.recovery import DEGRADED, ENERGY, MU0, RECOVERED, SAND, TAU
+
+_BACKWARD_MPS = -0.05  # faster backwards than this, a wheel meets what lies behind it
+
+
+@compiled
+def _speed_factor(curves: Array, row: int, speed_mps: float) -> float:
+    """mu0 at this speed over mu0 at 100 km/h, that peak adhesion may follow Curtius and Kniffler."""
+    v = abs(speed_mps)
+    u = min(math.sqrt(v / FIRST_SPEED_MPS), SPEEDS - 1.001)
+    k = int(u)
+    low, high = curves[row, SPEED_CORRECTION + k], curves[row, SPEED_CORRECTION + k + 1]
+    return (low + (u - k) * (high - low)) * curtius_kniffler(KMH_PER_MPS * v)
+
+
+@compiled
+def _sanded(mu0: float, sanded: float, share: float) -> float:
+    """Friction on sand: moves from mu0 towards that of plenty of sand, and never down."""
+    return mu0 + share * (sanded - mu0) if sanded > mu0 else mu0
+
+
+@compiled
+def _treated(
+    degraded: float, recovered: float, curves: Array, row: int, speed_mps: float, sand_gpm: float
+) -> tuple[float, float]:
+    """mu0 of the degraded and of the recovered curve, after the speed law and the sand."""
+    if curves[row, SPEED_LAW] > 0.0:
+        factor = _speed_factor(curves, row, speed_mps)
+        degraded *= factor
+        recovered *= factor
+    if sand_gpm > 0.0:
+        share = 1.0 - math.exp(-sand_gpm / curves[row, SAND_SCALE])
+        degraded = _sanded(degraded, curves[row, SANDED], share)
+        recovered = _sanded(recovered, curves[row, SANDED + 1], share)
+    return degraded, recovered
+
+
+@compiled
+def rail_condition(s_m: float, side: int, speed_mps: float, rail: RailTables, condition: Array) -> None:
+    """Fill `condition` (CONDITION,) for a wheel at `s_m` on rail `side` (0 left, 1 right) at `speed_mps` (signed).
+
+    Where two kinds of rail meet, they blend over one cell. Energy and sand are those of the rail ahead, which this
+    wheel has not touched: linear between the centres of the next cell and of the one behind it, so that the wheel does
+    not meet its own work, which its force accounts for already.
+    """
+    state = rail.state
+    u = max(s_m / rail.state_cell_m, 0.0)
+    k = int(u)
+    u -= k
+    k += -2 if speed_mps < _BACKWARD_MPS else 1
+    k = min(max(k, 0), state.shape[1] - 2)
+    energy = state[side, k, ENERGY_KEPT] + u * (state[side, k + 1, ENERGY_KEPT] - state[side, k, ENERGY_KEPT])
+    sand = state[side, k, SAND_KEPT] + u * (state[side, k + 1, SAND_KEPT] - state[side, k, SAND_KEPT])
+
+    places, curves = rail.places, rail.curves
+    u = max(s_m / rail.cell_m, 0.0)
+    k = int(u)
+    last = places.shape[1] - 2
+    if k > last:
+        k = last
+        u = last + 1.0
+    u -= k
+    mu0 = places[side, k, 0] + u * (places[side, k + 1, 0] - places[side, k, 0])
+    here, there = int(places[side, k, 1]), int(places[side, k + 1, 1])
+    for j in range(TAU + 1):
+        condition[j] = curves[here, j]
+    degraded, recovered = mu0, curves[here, RECOVERED + MU0] + curves[here, RATIO] * mu0
+    # asked here, since a call with an array costs more than all the rest
+    if sand > 0.0 or curves[here, SPEED_LAW] > 0.0:
+        degraded, recovered = _treated(degraded, recovered, curves, here, speed_mps, sand)
+    if there != here:
+        for j in range(TAU + 1):
+            condition[j] += u * (curves[there, j] - condition[j])
+        recovered_there = curves[there, RECOVERED + MU0] + curves[there, RATIO] * mu0
+        degraded_there, recovered_there = _treated(mu0, recovered_there, curves, there, speed_mps, sand)
+        degraded += u * (degraded_there - degraded)
+        recovered += u * (recovered_there - recovered)
+    condition[DEGRADED + MU0] = degraded
+    condition[RECOVERED + MU0] = recovered
+    condition[ENERGY] = energy
+    condition[SAND] = sand
