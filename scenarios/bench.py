@@ -20,6 +20,7 @@ from scenarios.scenario_file import load_scenario
 from vehicle import Actuation, Coach
 from vehicle.forces import coach_force
 from vehicle.start import start_state
+from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Record, compiled
 
 SCENARIO = "low-adhesion-stop"
@@ -46,8 +47,8 @@ def run_benchmarks(rounds: int, on_round: Callable[[int], None]) -> list[Benchma
     scenarios = {step: load_scenario(SCENARIO, [f"simulation.step_s={step}"]) for step in STEPS_S}
     line = Line(scenarios[STEPS_S[0]])
     coach = scenarios[STEPS_S[0]].coach
-    record, q, v = start_state(coach, line.contact, line.track, line.adhesion, 100.0, 30.0)
-    arguments = (q, v, np.empty_like(q), record, line.track.table, line.adhesion.table)
+    record, q, v = start_state(coach, line.contact, line.track, line.rail, 100.0, 30.0)
+    arguments = (q, v, np.empty_like(q), record, line.track.table, line.rail)
     _forces(1, *arguments)
     no_actuation = Actuation()
     values: dict[tuple[str, str], list[float]] = {}
@@ -63,7 +64,7 @@ def run_benchmarks(rounds: int, on_round: Callable[[int], None]) -> list[Benchma
         note("force routine, compiled, alone", "us per call", 1e6 * force_s)
         note("force routine over interpreter loop", "ratio", force_s / loop_s)
         for step, scenario in scenarios.items():
-            idle = Coach(coach, line.contact, line.track, line.adhesion)
+            idle = Coach(coach, line.contact, line.track, line.rail)
             report = idle.run(
                 step, 10.0, 100.0, 30.0, lambda t_s, state: no_actuation, loop_period_s(scenario.simulation)
             )
@@ -85,9 +86,9 @@ def _timed(work: Callable[[], object]) -> float:
 
 
 @compiled
-def _forces(count: int, q: Array, v: Array, f: Array, record: Record, track: Array, adhesion: Array) -> None:
+def _forces(count: int, q: Array, v: Array, f: Array, record: Record, track: Array, rail: RailTables) -> None:
     for _ in range(count):
-        coach_force(q, v, f, record, track, adhesion)
+        coach_force(q, v, f, record, track, rail)
 
 
 def _interpreter_loop() -> int:

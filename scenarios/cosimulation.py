@@ -12,18 +12,21 @@ period from t_k to t_k+1, at the state of t_k:
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
 from scenarios.driver import Driver
 from scenarios.errors import RunInterrupted, SolveFailed
+from scenarios.parquet import read_columns
 from scenarios.recorder import Recorder
 from scenarios.schema import TICK_S, Scenario, SimulationParameters
-from scenarios.truth import SolveRecord, Truth
+from scenarios.truth import SolveRecord, Truth, rail_stream
 from sensors import AxleSpeedReadings, Tachometers, random_stream
 from vehicle import Actuation, Coach, CoachState, SolveReport, SolverFailure
-from wheel_rail import Adhesion, Contact, Track
+from wheel_rail import Adhesion, Contact, RailState, Track
+from wheel_rail.sanding import Sanders
 from wsp import Brake, ControllerOutput
 
 # numbers of the random streams that hang on the world seed
@@ -51,24 +54,44 @@ def loop_period_s(simulation: SimulationParameters) -> float:
 
 
 class Line:
-    """The fixed world of a scenario: track, rail and the contact of this coach's wheels with it."""
+    """The world of a scenario: track, rails as found, and the contact of this coach's wheels with them.
+
+    `state` is what the rails keep of every train; a run changes it, all else is fixed. Raises ValueError with the key
+    of what does not fit.
+    """
 
     def __init__(self, scenario: Scenario) -> None:
         coach = scenario.coach
         # from the coach's centre to its outer wheelsets
         self.reach_m = 0.5 * (coach.bogie_distance_m + coach.wheelbase_m)
-        self.contact = Contact(coach.contact, 0.5 * coach.wheelset.wheel_diameter_m, coach.static_wheel_load_n)
+        radius_m = 0.5 * coach.wheelset.wheel_diameter_m
+        self.contact = Contact(coach.contact, radius_m, coach.static_wheel_load_n, scenario.creep_law.in_force())
         self.track = Track(scenario.track)
         self.adhesion = Adhesion(
             scenario.adhesion,
             scenario.track.length_m,
             self.contact,
             random_stream(scenario.scenario.world_seed, RAIL_STREAM, 0),
+            scenario.sanding.effect,
         )
+        self.state = _rail_state(scenario)
+        self.rail = self.adhesion.tables(self.state)
 
     def holds(self, position_m: float) -> bool:
         """Whether all wheelsets of a coach whose centre is at `position_m` are on the line."""
         return self.reach_m <= position_m <= self.track.length_m - self.reach_m
+
+
+def _rail_state(scenario: Scenario) -> RailState:
+    """Rails without a trace of trains, or as an earlier run has left them."""
+    length_m = scenario.track.length_m
+    path = scenario.adhesion.rail_state_file
+    if path is None:
+        return RailState(length_m)
+    try:
+        return RailState.from_arrays(length_m, read_columns(Path(path)))
+    except ValueError as error:
+        raise ValueError(f"adhesion.rail_state_file = {path}: {error}") from None
 
 
 def simulate(scenario: Scenario, on_progress: OnProgress, stop_requested: Callable[[], bool]) -> Truth:
@@ -78,11 +101,11 @@ def simulate(scenario: Scenario, on_progress: OnProgress, stop_requested: Callab
     often. Raises RunInterrupted when it says so, SolveFailed with the truth so far when the integration breaks down.
     """
     line = Line(scenario)
-    coach = Coach(scenario.coach, line.contact, line.track, line.adhesion)
+    coach = Coach(scenario.coach, line.contact, line.track, line.rail)
     simulation = scenario.simulation
     loop = _Loop(scenario, line, on_progress, stop_requested)
     try:
-        _compile(scenario, line, coach)
+        _compile(scenario)
         report = coach.run(
             simulation.step_s,
             simulation.longest_s,
@@ -102,8 +125,10 @@ def simulate(scenario: Scenario, on_progress: OnProgress, stop_requested: Callab
     return loop.truth(report)
 
 
-def _compile(scenario: Scenario, line: Line, coach: Coach) -> None:
+def _compile(scenario: Scenario) -> None:
     """Two ticks into the air, so that compiling (or loading) the hot code does not count as solving."""
+    line = Line(scenario)
+    coach = Coach(scenario.coach, line.contact, line.track, line.rail)
     loop = _Loop(scenario, line, lambda *_: None, lambda: False)
     simulation = scenario.simulation
     speed_mps = simulation.initial_speed_kmh / 3.6
@@ -134,7 +159,10 @@ class _Loop:
         self._driver = Driver(scenario.driver, DRIVER_PERIOD_S)
         self._brake = Brake(scenario.brake, self.period_s)
         self._recorder = Recorder()
-        self._actuation = Actuation()
+        self._sanders = Sanders(scenario.sanding, TICK_S)
+        self._actuation = Actuation(sanders=self._sanders.rows)
+        self._sand = np.zeros(4, np.bool_)
+        self._rail_before = line.state.table.copy()
         self._valve = np.zeros(4, np.int8)
         self._answer = np.zeros(4, np.int8)
         self._output = ControllerOutput()
@@ -188,10 +216,12 @@ class _Loop:
             driver.step(position_m, speed_mps)
         if self._ticks % self._ticks_per_control == 0:
             self._valve[:] = self._answer
+            self._sand[:] = self._output.sand
             self._output = self._controller.step(
                 t_s, tachometers.axle_speed_mps, tachometers.valid, self._demand, 1, math.nan
             )
             self._answer[:] = self._output.valve
+        self._sanders.step(self._sand)
         self._ticks += 1
         self.stopped = self._stands(speed_mps)
         return not (self.stopped or self.off_the_line)
@@ -213,9 +243,9 @@ class _Loop:
         seen = self._seen[: self._ticks]
         return Truth(
             motion=self._recorder.motion_stream(line.track),
-            wheelsets=self._recorder.wheelset_stream(
-                line.contact.patch, line.contact.load_n, line.contact.parameters.shear_modulus_pa
-            ),
+            wheelsets=self._recorder.wheelset_stream(line.contact),
+            rail=rail_stream(line.state.table),
+            rail_before=rail_stream(self._rail_before),
             brake=self._recorder.brake_stream(),
             tachometer=self._tachometers.readings(),
             axle_speeds=AxleSpeedReadings(

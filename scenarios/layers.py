@@ -1,8 +1,8 @@
 """Reading TOML and laying one file over another: `extends`, presets and `--set`, with the origin of every key.
 
 Tables are merged key by key; any other value, an array included, replaces what was there. Two choices start their table
-afresh when they change, because what stood there belongs to the old choice: `preset` in a section, and `controller`,
-which drops `wsp.parameters`.
+afresh when they change, because what stood there belongs to the old choice: `preset` in a section, and the
+`controller` or the creep law's `name`, which drop the `parameters` beside them.
 """
 
 import tomllib
@@ -57,9 +57,10 @@ class Merged:
             before, after = self._choice(section, "preset"), _choice(layer.tree, section, "preset")
             if after is not None and before is not None and after != before:
                 del self.tree[section]
-        after = _choice(layer.tree, "wsp", "controller")
-        if after is not None and after != self._choice("wsp", "controller") and isinstance(self.tree.get("wsp"), dict):
-            self.tree["wsp"].pop("parameters", None)
+        for section, key in (("wsp", "controller"), ("creep_law", "name")):
+            after = _choice(layer.tree, section, key)
+            if after is not None and after != self._choice(section, key) and isinstance(self.tree.get(section), dict):
+                self.tree[section].pop("parameters", None)
         self._merge(self.tree, layer.tree, layer.source, ())
 
     def expand_presets(self) -> list[Fault]:

@@ -6,9 +6,11 @@ the user's own, `path/to/file.toml` a preset of the user's own.
 
 import difflib
 import importlib.util
+import inspect
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from pydantic import BaseModel
@@ -50,6 +52,30 @@ def _imu_presets() -> Mapping[str, Any]:
     return IMU_PRESETS
 
 
+def _creep_laws() -> Mapping[str, Any]:
+    from wheel_rail.creep_laws import CREEP_LAWS
+
+    return CREEP_LAWS
+
+
+def _wheel_profiles() -> Mapping[str, Any]:
+    from wheel_rail.profiles import WHEEL_PROFILES
+
+    return WHEEL_PROFILES
+
+
+def _rail_profiles() -> Mapping[str, Any]:
+    from wheel_rail.profiles import RAIL_PROFILES
+
+    return RAIL_PROFILES
+
+
+def _recovery_presets() -> Mapping[str, Any]:
+    from wheel_rail.recovery import RECOVERY_PRESETS
+
+    return RECOVERY_PRESETS
+
+
 def _scenarios() -> Mapping[str, Any]:
     return {path.stem: path for path in sorted(LIBRARY.glob("*.toml"))}
 
@@ -61,6 +87,10 @@ TABLES: dict[str, Callable[[], Mapping[str, Any]]] = {
     "coach preset": _coach_presets,
     "brake preset": _brake_presets,
     "IMU preset": _imu_presets,
+    "creep law": _creep_laws,
+    "wheel profile": _wheel_profiles,
+    "rail profile": _rail_profiles,
+    "recovery preset": _recovery_presets,
 }
 """Kind -> its table, read on demand: reading one imports its package."""
 
@@ -104,9 +134,30 @@ def display_name(name: str) -> str:
     return name.rpartition(".py:")[2]
 
 
-def _class_from_file(kind: str, name: str) -> Any:
-    """Import the user's file and return its class, which must carry a pydantic model `Parameters` and a `step`."""
-    file_name, _, class_name = name.rpartition(":")
+def find_creep_law(name: str) -> Any:
+    """The creep law called `name`, or the one made of the user's function `path/to/file.py:name`."""
+    if ".py:" not in name:
+        table = _creep_laws()
+        if name not in table:
+            raise unknown("creep law", name, table)
+        return table[name]
+    from wheel_rail.creep_laws import user_creep_law
+    from wheel_rail.user_law import UnusableLaw
+
+    module, function_name = _module_of("creep law", name)
+    found = getattr(module, function_name, None)
+    if not callable(found):
+        functions = [key for key, value in vars(module).items() if inspect.isfunction(value)]
+        raise unknown(f"creep law in {module.__file__}", function_name, functions)
+    try:
+        return user_creep_law(found, function_name)
+    except UnusableLaw as error:
+        raise UnknownName(f"creep law {name!r}: {error}") from None
+
+
+def _module_of(kind: str, name: str) -> tuple[ModuleType, str]:
+    """The module of the user's `path/to/file.py:Name`, imported once, and the name in it."""
+    file_name, _, name_inside = name.rpartition(":")
     path = Path(file_name)
     if not path.is_file():
         raise UnknownName(f"{kind} {name!r} not found: there is no file {file_name}")
@@ -125,10 +176,16 @@ def _class_from_file(kind: str, name: str) -> Any:
             raise UnknownName(
                 f"{kind} {name!r}: importing {file_name} failed with {type(error).__name__}: {error}"
             ) from error
+    return module, name_inside
+
+
+def _class_from_file(kind: str, name: str) -> Any:
+    """The class in the user's file, which must carry a pydantic model `Parameters` and a `step`."""
+    module, class_name = _module_of(kind, name)
     found = getattr(module, class_name, None)
     if not isinstance(found, type):
         classes = [key for key, value in vars(module).items() if isinstance(value, type)]
-        raise unknown(f"{kind} in {file_name}", class_name, classes)
+        raise unknown(f"{kind} in {module.__file__}", class_name, classes)
     parameters = getattr(found, "Parameters", None)
     if not (isinstance(parameters, type) and issubclass(parameters, BaseModel)):
         raise UnknownName(f"{kind} {name!r} needs a nested pydantic model called Parameters")

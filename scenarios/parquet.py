@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -24,3 +25,12 @@ def write_stream(path: Path, stream: Stream) -> None:
     )
     table = pa.Table.from_arrays([pa.array(column.values) for column in flat], schema=schema)
     pq.write_table(table, path, compression="zstd", compression_level=1, use_dictionary=False, version="2.6")
+
+
+def read_columns(path: Path) -> dict[str, np.ndarray]:
+    """The columns of a Parquet file by name. Raises ValueError if it cannot be read."""
+    try:
+        table = pq.read_table(path)
+    except (OSError, pa.ArrowException) as error:
+        raise ValueError(f"cannot be read as Parquet: {error}") from None
+    return {name: table.column(name).to_numpy() for name in table.column_names}

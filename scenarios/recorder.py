@@ -6,9 +6,9 @@ import numpy as np
 
 from scenarios.truth import BrakeStream, MotionStream, WheelsetStream
 from vehicle import OBSERVATION, POWERS, CoachState
-from wheel_rail import Track
-from wheel_rail.compiled import Array, compiled
-from wheel_rail.polach import peak_adhesion
+from wheel_rail import Contact, Track
+from wheel_rail.compiled import Array, Vector, compiled
+from wheel_rail.recovery import offered_adhesion
 from wsp import Brake, ControllerOutput
 
 _STILL_MPS = 0.1  # below this slip has no meaning and is recorded as zero
@@ -78,15 +78,24 @@ class Recorder:
             **{f"power_{name}_w": rows["power_w"][:, k] for k, name in enumerate(POWERS)},
         )
 
-    def wheelset_stream(self, patch: np.ndarray, reference_load_n: float, shear_modulus_pa: float) -> WheelsetStream:
-        """Wheelsets; `patch` (6,) is the contact ellipse at `reference_load_n`, for the peak adhesion on offer."""
+    def wheelset_stream(self, contact: Contact) -> WheelsetStream:
+        """Wheelsets; `contact` for the peak adhesion on offer, a centred wheel's."""
         rows = self._motion[: self._rows]
         speed = rows["wheelset_speed_mps"]
         moving = np.abs(speed) > _STILL_MPS
         slip = np.where(moving, (speed - rows["rim_speed_mps"]) / np.where(moving, speed, 1.0), 0.0)
         offered = np.empty_like(speed)
+        law = contact.law
         _offered_adhesion(
-            speed, rows["normal_force_n"], rows["rail_law"], patch, reference_load_n, shear_modulus_pa, offered
+            speed,
+            rows["normal_force_n"],
+            np.ascontiguousarray(rows["rail_condition"]),
+            (law.number, law.address),
+            law.extra,
+            tuple(contact.patch),
+            contact.load_n,
+            contact.parameters.shear_modulus_pa,
+            offered,
         )
         copied = ("t_s", "rim_speed_mps", "wheel_angle_rad", "lateral_displacement_m", "normal_force_n",
                   "longitudinal_force_n", "lateral_force_n", "brake_torque_nm", "friction_power_w")  # fmt: skip
@@ -105,25 +114,32 @@ def _fields(rows: np.ndarray, names: Sequence[str]) -> dict[str, np.ndarray]:
 
 @compiled
 def _offered_adhesion(
-    speed: Array,
-    normal: Array,
-    law: Array,
-    patch: Array,
-    reference_load_n: float,
-    shear_modulus_pa: float,
-    offered: Array,
-) -> None:
+    speed: Array, normal: Array, conditions: Array, law: tuple[int, int], extra: Array, patch: Vector,
+    reference_load_n: float, shear_modulus_pa: float, offered: Array,
+) -> None:  # fmt: skip
     """Load-weighted peak adhesion of the two wheels of each wheelset, into `offered` (n, 4)."""
     for n in range(speed.shape[0]):
         for i in range(4):
-            force = 0.0
-            load = 0.0
+            left, right = conditions[n, 0, i], conditions[n, 1, i]
+            loads = max(normal[n, 2 * i], 0.0), max(normal[n, 2 * i + 1], 0.0)
+            if loads[0] + loads[1] <= 0.0:
+                offered[n, i] = 0.0
+                continue
+            # peak adhesion hardly depends on the load: on rails alike one search serves both wheels
+            alike = True
+            for k in range(left.size):
+                if abs(left[k] - right[k]) > 0.02 * abs(left[k]):
+                    alike = False
+            total = 0.0
             for side in range(2):
-                wheel_load = normal[n, 2 * i + side]
-                if wheel_load > 0.0:
-                    growth = np.cbrt(wheel_load / reference_load_n)
-                    grown = (patch[0] * growth, patch[1] * growth, patch[2], patch[3], patch[4], patch[5])
-                    peak, _ = peak_adhesion(abs(speed[n, i]), wheel_load, grown, law[n, side, i], shear_modulus_pa)
-                    force += peak * wheel_load
-                    load += wheel_load
-            offered[n, i] = force / load if load > 0.0 else 0.0
+                if side == 1 and alike:
+                    break
+                load = 0.5 * (loads[0] + loads[1]) if alike else loads[side]
+                growth = np.cbrt(load / reference_load_n)
+                grown = (patch[0] * growth, patch[1] * growth, patch[2], patch[3], patch[4], patch[5])
+                condition = right if side == 1 else left
+                peak, _ = offered_adhesion(
+                    law[0], law[1], extra, abs(speed[n, i]), max(load, 1.0), grown, condition, shear_modulus_pa, True
+                )
+                total += peak * (2.0 * load if alike else load)
+            offered[n, i] = total / (loads[0] + loads[1])

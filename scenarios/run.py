@@ -152,6 +152,7 @@ def _write_truth(path: Path, truth: Truth) -> None:
     write_stream(path / "truth.parquet", truth.motion)
     write_stream(path / "wheelsets.parquet", truth.wheelsets)
     write_stream(path / "brake.parquet", truth.brake)
+    write_stream(path / "rail.parquet", truth.rail)
     write_stream(path / "readings" / "tachometers.parquet", truth.tachometer)
     write_stream(path / "readings" / "axle-speeds.parquet", truth.axle_speeds)
 

@@ -24,6 +24,7 @@ ENTRIES = frozenset(
         "truth.parquet",
         "wheelsets.parquet",
         "brake.parquet",
+        "rail.parquet",
         "readings",
         "estimates",
         "figures",

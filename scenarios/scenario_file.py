@@ -1,6 +1,7 @@
 """Scenario files: found, read, laid over each other, validated, and written back with nothing left implicit."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -10,11 +11,11 @@ from pydantic import BaseModel
 from scenarios.errors import BadInput, Fault
 from scenarios.faults import table_fault, unknown_key, validate_section
 from scenarios.layers import Layer, Merged, Tree, parse_setting, read_toml
-from scenarios.names import UnknownName, display_name, find_class, find_file
+from scenarios.names import UnknownName, display_name, find_class, find_creep_law, find_file
 from scenarios.schema import TICK_S, Scenario
 from sensors import Imu
 
-COMPOSED = ("wsp", "estimators")
+COMPOSED = ("creep_law", "wsp", "estimators")
 """Sections whose models depend on names in them."""
 
 PLAIN_MODELS: dict[str, type[BaseModel]] = {
@@ -110,15 +111,29 @@ def _prepared(layer: Layer) -> Layer:
         table = _table(layer.tree, section)
         if "preset" in table:
             table["preset"] = _anchored(table["preset"], layer.folder, ".toml")
-    wsp = _table(layer.tree, "wsp")
-    if "controller" in wsp:
-        wsp["controller"] = _anchored(wsp["controller"], layer.folder, ".py:")
+    for section, key in (("wsp", "controller"), ("creep_law", "name")):
+        table = _table(layer.tree, section)
+        if key in table:
+            table[key] = _anchored(table[key], layer.folder, ".py:")
+    _anchor_adhesion(_table(layer.tree, "adhesion"), layer.folder)
     estimators = _table(layer.tree, "estimators")
     if isinstance(estimators.get("names"), list):
         estimators["names"] = [_anchored(name, layer.folder, ".py:") for name in estimators["names"]]
     for name in [name for name in estimators if ".py:" in name]:
         estimators[_anchored(name, layer.folder, ".py:")] = estimators.pop(name)
     return layer
+
+
+def _anchor_adhesion(adhesion: Tree, folder: Path) -> None:
+    """Files of rail state, peak adhesion and recovery."""
+    if "rail_state_file" in adhesion:
+        adhesion["rail_state_file"] = _anchored(adhesion["rail_state_file"], folder, ".")
+    for entries in (adhesion.get("stretches"), adhesion.get("patches")):
+        for entry in entries if isinstance(entries, list) else ():
+            if isinstance(entry, dict):
+                for key, mark in (("file", "."), ("recovery", ".toml")):
+                    if key in entry:
+                        entry[key] = _anchored(entry[key], folder, mark)
 
 
 def _anchored(value: Any, folder: Path, mark: str) -> Any:
@@ -139,6 +154,7 @@ def _validated(merged: Merged, faults: list[Fault]) -> Scenario | None:
     for section, model in PLAIN_MODELS.items():
         if section not in merged.without_preset:  # without its preset a section would only lack keys
             built[section] = validate_section(model, merged.tree.get(section, {}), (section,), merged, faults)
+    built["creep_law"] = _creep_law(merged, faults)
     built["wsp"] = _wsp(merged, faults)
     built["estimators"] = _estimators(merged, faults)
     if faults:
@@ -179,21 +195,33 @@ def _contradictions(scenario: Scenario, merged: Merged) -> Iterator[Fault]:
         yield table_fault(merged, (), f"{error} (simulation.record_period_s = {simulation.record_period_s})")
 
 
+def _creep_law(merged: Merged, faults: list[Fault]) -> dict[str, Any] | None:
+    return _named(merged, faults, "creep_law", "name", "creep law", find_creep_law)
+
+
 def _wsp(merged: Merged, faults: list[Fault]) -> dict[str, Any] | None:
-    table = _section_table(merged, "wsp", faults)
+    return _named(merged, faults, "wsp", "controller", "controller", partial(find_class, "controller"))
+
+
+def _named(
+    merged: Merged, faults: list[Fault], section: str, key: str, kind: str, find: Callable[[str], Any]
+) -> dict[str, Any] | None:
+    """A section that names something and holds the parameters of what it names."""
+    table = _section_table(merged, section, faults)
     if table is None:
         return None
-    known = ("controller", "parameters")
-    faults.extend(unknown_key(merged, ("wsp", key), known) for key in table if key not in known)
-    name = table.get("controller")
+    known = (key, "parameters")
+    faults.extend(unknown_key(merged, (section, other), known) for other in table if other not in known)
+    name = table.get(key)
     if name is None:
-        faults.append(Fault(merged.origin(("wsp",)), "wsp.controller", "is missing (the name of a controller)"))
+        faults.append(Fault(merged.origin((section,)), f"{section}.{key}", f"is missing (the name of a {kind})"))
         return None
-    found = _class_of("controller", name, ("wsp", "controller"), merged, faults)
+    found = _found(kind, name, (section, key), merged, faults, find)
     if found is None:
         return None
-    parameters = validate_section(found.Parameters, table.get("parameters", {}), ("wsp", "parameters"), merged, faults)
-    return {"controller": name, "parameters": parameters}
+    where = (section, "parameters")
+    parameters = validate_section(found.Parameters, table.get("parameters", {}), where, merged, faults)
+    return {key: name, "parameters": parameters}
 
 
 def _estimators(merged: Merged, faults: list[Fault]) -> dict[str, Any] | None:
@@ -209,7 +237,7 @@ def _estimators(merged: Merged, faults: list[Fault]) -> dict[str, Any] | None:
     parameters: dict[str, Any] = {}
     for name in dict.fromkeys([*names, *(key for key in table if key != "names")]):
         where = key if name in names else ("estimators", name)
-        found = _class_of("estimator", name, where, merged, faults)
+        found = _found("estimator", name, where, merged, faults, partial(find_class, "estimator"))
         if found is not None:
             built = validate_section(found.Parameters, table.get(name, {}), ("estimators", name), merged, faults)
             if name in names:
@@ -225,11 +253,13 @@ def _section_table(merged: Merged, section: str, faults: list[Fault]) -> Tree | 
     return None
 
 
-def _class_of(kind: str, name: Any, key: tuple[str, ...], merged: Merged, faults: list[Fault]) -> Any:
+def _found(
+    kind: str, name: Any, key: tuple[str, ...], merged: Merged, faults: list[Fault], find: Callable[[str], Any]
+) -> Any:
     try:
         if not isinstance(name, str):
             raise UnknownName(f"must be the name of {'an' if kind[0] in 'aeiou' else 'a'} {kind}, not {name!r}")
-        return find_class(kind, name)
+        return find(name)
     except UnknownName as error:
         faults.append(Fault(merged.origin(key), ".".join(key), str(error)))
         return None

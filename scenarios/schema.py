@@ -7,10 +7,12 @@ from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, field_validat
 
 from estimators.interface import Estimator
 from scenarios.driver import DriverParameters
-from scenarios.names import find_class
+from scenarios.names import find_class, find_creep_law
 from sensors import BaliseParameters, ImuParameters, TachometerParameters
 from vehicle import CoachParameters
 from wheel_rail import AdhesionParameters, TrackParameters
+from wheel_rail.creep_laws import LawInForce
+from wheel_rail.sanding import SandingParameters
 from wsp import BrakeParameters, Controller
 
 STEPS_S = (0.005, 0.0025, 0.002, 0.001, 0.0005)
@@ -65,6 +67,26 @@ class SimulationParameters(Section):
         return self
 
 
+class LineAdhesion(AdhesionParameters):
+    """[adhesion]: adhesion of the line, and the state in which an earlier train has left its rails."""
+
+    rail_state_file: str | None = Field(
+        default=None, description="rail.parquet of an earlier run on the same line; clean rails without it"
+    )
+
+
+class CreepLawParameters(Section):
+    """[creep_law]: the law by name, and its own parameters."""
+
+    name: str
+    parameters: SerializeAsAny[BaseModel]
+
+    def in_force(self) -> LawInForce:
+        """The law ready for the contact."""
+        law: LawInForce = find_creep_law(self.name).in_force(self.parameters)
+        return law
+
+
 class WspParameters(Section):
     """[wsp]: the controller by name, and its own parameters."""
 
@@ -86,7 +108,9 @@ class Scenario(Section):
     simulation: SimulationParameters
     coach: CoachParameters
     track: TrackParameters
-    adhesion: AdhesionParameters
+    adhesion: LineAdhesion
+    creep_law: CreepLawParameters
+    sanding: SandingParameters
     driver: DriverParameters
     brake: BrakeParameters
     wsp: WspParameters

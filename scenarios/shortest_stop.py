@@ -6,9 +6,10 @@ from scenarios.cosimulation import Line
 from scenarios.metrics import stop_span
 from scenarios.schema import Scenario
 from scenarios.truth import Truth
+from wheel_rail.adhesion_condition import rail_condition
+from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Vector, compiled
-from wheel_rail.contact import rail_law
-from wheel_rail.polach import peak_adhesion
+from wheel_rail.recovery import CONDITION, offered_adhesion
 from wsp import FILL, Brake
 
 _STEP_S = 0.01
@@ -17,7 +18,7 @@ _STEP_S = 0.01
 def shortest_stop(scenario: Scenario, truth: Truth) -> float | None:
     """Distance in m from the brake demand to standstill of a point mass with the same demand build-up, resistance and
     gradient, braked by the smaller of the brake's force and peak adhesion x static load, summed over the wheels, on the
-    rail as it was before any wheel ran over it. None for a run without a stop.
+    rail as it was found, before any wheel of this coach ran over it. None for a run without a stop.
     """
     span = stop_span(truth)
     if span is None:
@@ -43,9 +44,10 @@ def shortest_stop(scenario: Scenario, truth: Truth) -> float | None:
         coach.effective_mass_kg,
         (coach.resistance.a_n, coach.resistance.b_nspm, coach.resistance.c_ns2pm2),
         line.track.gradient_permille(np.arange(0.0, line.track.length_m + 1.0)),
-        line.adhesion.cell_m,
-        line.adhesion.table,
-        line.contact.patch,
+        line.rail,
+        (line.contact.law.number, line.contact.law.address),
+        line.contact.law.extra,
+        tuple(line.contact.patch),
         line.contact.load_n,
         line.contact.parameters.shear_modulus_pa,
     )
@@ -55,18 +57,20 @@ def shortest_stop(scenario: Scenario, truth: Truth) -> float | None:
 @compiled
 def _point_mass_stop(
     position_m: float, speed_mps: float, force_n: Array, offsets_m: Array, mass_kg: float, effective_mass_kg: float,
-    resistance: Vector, gradient_permille: Array, cell_m: float, adhesion: Array, patch: Array, load_n: float,
-    shear_modulus_pa: float,
+    resistance: Vector, gradient_permille: Array, rail: RailTables, law: tuple[int, int], extra: Array, patch: Vector,
+    load_n: float, shear_modulus_pa: float,
 ) -> float:  # fmt: skip
     """Distance to standstill, nan if the time of `force_n` (per 10 ms) does not suffice; midpoint in speed."""
-    law = np.empty(5)
+    condition = np.empty(CONDITION)
     start = position_m
     for k in range(force_n.shape[0]):
         limit = 0.0
         for i in range(4):
             for side in range(2):
-                rail_law(position_m + offsets_m[i], side, cell_m, adhesion, law)
-                peak, _ = peak_adhesion(speed_mps, load_n, patch, law, shear_modulus_pa)
+                rail_condition(position_m + offsets_m[i], side, speed_mps, rail, condition)
+                peak, _ = offered_adhesion(
+                    law[0], law[1], extra, speed_mps, load_n, patch, condition, shear_modulus_pa, False
+                )
                 limit += peak * load_n
         drag = resistance[0] + speed_mps * (resistance[1] + speed_mps * resistance[2])
         place = min(max(int(position_m), 0), gradient_permille.shape[0] - 1)

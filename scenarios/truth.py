@@ -7,6 +7,9 @@ import numpy as np
 
 from sensors.readings import AxleSpeedReadings, TachometerReadings
 from sensors.streams import WHEELS, WHEELSETS, XYZ, FloatArray, Int8Array, Stream, quantity
+from wheel_rail.adhesion_state import ENERGY_KEPT, SAND_KEPT, STATE_CELL_M
+
+RAILS = ("left", "right")
 
 
 class MotionStream(Stream):
@@ -79,6 +82,22 @@ class BrakeStream(Stream):
     air_nl: FloatArray = quantity("nl", about="air drawn from the supply so far, normal litres")
 
 
+class RailStream(Stream):
+    """What the rails keep, per cell of 0.1 m."""
+
+    position_m: FloatArray = quantity("m", about="begin of the cell along the track")
+    energy_jpm: FloatArray = quantity("J/m", RAILS, about="friction energy that wheels have left")
+    sand_gpm: FloatArray = quantity("g/m", RAILS, about="sand")
+
+
+def rail_stream(table: np.ndarray) -> RailStream:
+    """The state `table` (2, n, 2) of `wheel_rail.RailState` as a stream."""
+    position_m = STATE_CELL_M * np.arange(table.shape[1], dtype=np.float64)
+    return RailStream(
+        position_m=position_m, energy_jpm=table[:, :, ENERGY_KEPT].T.copy(), sand_gpm=table[:, :, SAND_KEPT].T.copy()
+    )
+
+
 @dataclass(frozen=True)
 class SolveRecord:
     """How the solve went; times are those of the wall clock."""
@@ -98,6 +117,8 @@ class Truth:
     motion: MotionStream
     wheelsets: WheelsetStream
     brake: BrakeStream
+    rail_before: RailStream
+    rail: RailStream
     tachometer: TachometerReadings
     axle_speeds: AxleSpeedReadings
     solve: SolveRecord

@@ -55,10 +55,32 @@ def wheelset_contact(
     frame = coach.frame[i]
     contact = coach.contact
     wheel_contact(
-        1, position, axle, velocity, carrier, spin_radps, frame, contact, coach.condition[0, i], normal, creep, report[0]
+        1,
+        position,
+        axle,
+        velocity,
+        carrier,
+        spin_radps,
+        frame,
+        contact,
+        coach.condition[0, i],
+        normal,
+        creep,
+        report[0],
     )
     wheel_contact(
-        -1, position, axle, velocity, carrier, spin_radps, frame, contact, coach.condition[1, i], normal, creep, report[1]
+        -1,
+        position,
+        axle,
+        velocity,
+        carrier,
+        spin_radps,
+        frame,
+        contact,
+        coach.condition[1, i],
+        normal,
+        creep,
+        report[1],
     )
     flange_force(position, frame, contact, normal)
     for force in (normal, creep):

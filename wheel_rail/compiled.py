@@ -8,10 +8,11 @@ step take addresses instead: whoever hands them over keeps the arrays alive and 
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
+import numba
 import numpy as np
-from numba import carray, from_dtype, njit, types
+from numba import from_dtype, njit, types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
@@ -33,8 +34,7 @@ def record_reader(dtype: np.dtype) -> Callable[[int], Record]:
 
         return record_type(types.intp), code
 
-    reader: Callable[[int], Record] = record_at
-    return reader
+    return cast(Callable[[int], Record], record_at)
 
 
 @intrinsic
@@ -50,7 +50,7 @@ def _pointer(_typing: Any, address: Any) -> Any:
 @compiled
 def array_at(address: int, shape: tuple[int, ...]) -> Array:
     """The contiguous array of floats of this shape that stands at an address."""
-    return carray(_pointer(address), shape)
+    return numba.carray(_pointer(address), shape)  # type: ignore[attr-defined, call-arg]
 
 
 def address_of(array: np.ndarray) -> int:

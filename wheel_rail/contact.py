@@ -65,8 +65,9 @@ def wheel_contact(
 
     `position`, `velocity` (3,): wheelset centre in the world; `axle` (3,): unit vector of the axle to the left;
     `carrier_rate` (3,): angular velocity of the wheelset without its part along the axle, rad/s; `frame` (14,): the
-    track at the wheelset; `constants`: record of dtype CONTACT; `condition` (CONDITION,): the rail's, under this wheel. Adds to `normal` (7,) and `creep` (7,): force (3) in the world, moment about the centre (3)
-    without its part along the axle, and torque about the axle (1). `report` (REPORT,): see the constants above.
+    track at the wheelset; `constants`: record of dtype CONTACT; `condition` (CONDITION,): the rail's, under this wheel.
+    Adds to `normal` (7,) and `creep` (7,): force (3) in the world, moment about the centre (3) without its part along
+    the axle, and torque about the axle (1). `report` (REPORT,): see the constants above.
     """
     tx, ty, tz = frame[3], frame[4], frame[5]
     nx, ny, nz = frame[6], frame[7], frame[8]

@@ -26,8 +26,9 @@ _LARGEST_RATIO = 8.0  # of the semi-axes: more slender contacts than this are no
 _PENETRATION_M = 45e-6  # see ContactGeometry.table; right for about 70 kN
 
 # columns of the table, y and along counted outwards from the centre: place along the axle (m), rolling radius (m),
-# slope of the wheel -d(radius)/d(along), place on the track (m, from the centreline and above the rails), semi-axes of the
-# ellipse at the reference load (m), C11, C22, C23, Polach's spin factor, normal stiffness with the track's in series
+# slope of the wheel -d(radius)/d(along), place on the track (m, from the centreline and above the rails), semi-axes of
+# the ellipse at the reference load (m), C11, C22, C23, Polach's spin factor, normal stiffness with the track's in
+# series (N/m)
 (
     PLACE_ALONG, ROLLING_RADIUS, SLOPE, RAIL_Y, RAIL_Z, SEMI_AXIS_A, SEMI_AXIS_B, C11, C22, C23, SPIN_FACTOR, STIFFNESS,
 ) = range(COLUMNS)  # fmt: skip

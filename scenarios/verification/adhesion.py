@@ -5,9 +5,10 @@ from functools import cache, partial
 import numpy as np
 
 from scenarios.verification.case import Case
-from wheel_rail import Adhesion, AdhesionParameters, ConicalContact, ConicalContactParameters
+from wheel_rail import Adhesion, AdhesionParameters, Contact, ContactParameters
 from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_state import RailState, RailTables
+from wheel_rail.contact_parameters import ConicalGeometry
 from wheel_rail.creep_laws import CREEP_LAWS
 from wheel_rail.recovery import CONDITION, adhesive_force, offered_adhesion
 
@@ -20,20 +21,19 @@ CURTIUS_KNIFFLER_KMH = ((5.0, 0.03), (50.0, 0.005), (100.0, 0.005), (200.0, 0.00
 
 
 @cache
-def _contact() -> ConicalContact:
+def _contact() -> Contact:
     """Wheels of 920 mm on a rail head of 300 mm, under the load of a wheel of the coach."""
-    parameters = ConicalContactParameters(
-        conicity=0.05,
-        rail_head_radius_m=0.3,
+    parameters = ContactParameters(
+        geometry="conical",
+        conical=ConicalGeometry(conicity=0.05, rail_head_radius_m=0.3, flange_clearance_m=0.007),
         shear_modulus_pa=SHEAR_PA,
         poisson=0.28,
-        stiffness_npm=1e8,
+        track_stiffness_npm=1e8,
         damping_nspm=3e4,
-        flange_clearance_m=0.007,
         flange_stiffness_npm=1e7,
         creep_speed_mps=0.2,
     )
-    return ConicalContact(parameters, 0.46, LOAD_N)
+    return Contact(parameters, 0.46, LOAD_N)
 
 
 @cache

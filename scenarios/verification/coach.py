@@ -66,7 +66,7 @@ def _run(
         count += 1
         return None if until(state) else actuation
 
-    coach = Coach(scenario.coach, line.contact, line.track, line.adhesion)
+    coach = Coach(scenario.coach, line.contact, line.track, line.rail)
     coach.run(STEP_S, duration_s, 200.0, speed_mps, on_step, STEP_S)
     return rows[:count]
 

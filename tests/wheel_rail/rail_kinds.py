@@ -4,23 +4,30 @@ from typing import Any
 
 import numpy as np
 
-from wheel_rail import Adhesion, AdhesionParameters, ConicalContact, ConicalContactParameters
+from wheel_rail import Adhesion, AdhesionParameters, Contact, ContactParameters
 from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_state import RailState, RailTables
+from wheel_rail.contact_parameters import ConicalGeometry
 from wheel_rail.creep_laws import CREEP_LAWS
 from wheel_rail.recovery import CONDITION, adhesive_force, offered_adhesion
 from wheel_rail.sanding import SandEffect
 
 LOAD_N = 68.7e3
 SHEAR_PA = 82e9
-CONTACT = ConicalContact(
-    ConicalContactParameters(
-        conicity=0.05, rail_head_radius_m=0.3, shear_modulus_pa=SHEAR_PA, poisson=0.28, stiffness_npm=1e8,
-        damping_nspm=3e4, flange_clearance_m=0.007, flange_stiffness_npm=1e7, creep_speed_mps=0.2,
+CONTACT = Contact(
+    ContactParameters(
+        geometry="conical",
+        conical=ConicalGeometry(conicity=0.05, rail_head_radius_m=0.3, flange_clearance_m=0.007),
+        shear_modulus_pa=SHEAR_PA,
+        poisson=0.28,
+        track_stiffness_npm=1e8,
+        damping_nspm=3e4,
+        flange_stiffness_npm=1e7,
+        creep_speed_mps=0.2,
     ),
     0.46,
     LOAD_N,
-)  # fmt: skip
+)
 PATCH = CONTACT.patch
 LAW = CREEP_LAWS["polach"].in_force()
 
