@@ -21,7 +21,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from estimators.adhesion import Confirmation
+from estimators.confirmation import Confirmation
 from estimators.interface import Estimate, Initial, Sample
 from estimators.odometry_filter import A, OdometryFilter, P, V
 from estimators.onboard import believed_rotation

@@ -2,7 +2,7 @@
 
 import math
 
-from estimators.adhesion import Confirmation
+from estimators.confirmation import Confirmation
 from estimators.interface import Estimate, Initial, Sample
 from estimators.onboard import believed_rotation
 from estimators.orientation_filter import GRAVITY_MPS2, OrientationFilter, OrientationParameters

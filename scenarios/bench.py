@@ -1,7 +1,7 @@
 """Benchmarks: how fast the program is on this machine, as medians and as ratios within one run.
 
-Machines differ and are shared, so each figure stands beside what it is made of: the compiled force routine alone and an
-interpreter loop, both measured in turn with the solves.
+Machines differ and are shared, so each figure stands beside what it is made of: the parts of a solve alone and an
+interpreter loop, all measured in turn with the solves.
 """
 
 import json
@@ -11,22 +11,25 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 from rich.table import Table
 
+from scenarios.bench_parts import SPEED_MPS, BenchCoach
 from scenarios.cosimulation import Line, loop_period_s, simulate
 from scenarios.errors import BadInput, Fault
 from scenarios.scenario_file import load_scenario
+from scenarios.schema import Scenario
 from vehicle import Actuation, Coach
-from vehicle.forces import coach_force
-from vehicle.start import start_state
-from wheel_rail.adhesion_state import RailTables
-from wheel_rail.compiled import Array, Record, compiled
 
 SCENARIO = "low-adhesion-stop"
 STEPS_S = (0.005, 0.001)
+DRY_M, RECOVERING_M = 150.0, 2000.0
+"""Places on the scenario's line."""
+POLACH = "eight contacts, table geometry and Polach"
+RECOVERING = "eight contacts, table geometry and Polach, rail that recovers"
+FASTSIM = "eight contacts, table geometry and FASTSIM 10 x 10"
+REQUIRED = {POLACH: 3.0, RECOVERING: 3.0, FASTSIM: 40.0}
+"""Name of a benchmark -> what its median may reach at most, in its unit."""
 _LOOP = 1_000_000
-_FORCE_CALLS = 5_000
 
 
 @dataclass(frozen=True)
@@ -41,16 +44,24 @@ class Benchmark:
     def median(self) -> float:
         return statistics.median(self.values)
 
+    @property
+    def required(self) -> float | None:
+        """What the median may reach at most; None where nothing is asked."""
+        return REQUIRED.get(self.name)
+
 
 def run_benchmarks(rounds: int, on_round: Callable[[int], None]) -> list[Benchmark]:
     """All benchmarks, `rounds` times in turn; `on_round(k)` is told before each round."""
     scenarios = {step: load_scenario(SCENARIO, [f"simulation.step_s={step}"]) for step in STEPS_S}
-    line = Line(scenarios[STEPS_S[0]])
-    coach = scenarios[STEPS_S[0]].coach
-    record, q, v = start_state(coach, line.contact, line.track, line.rail, 100.0, 30.0)
-    arguments = (q, v, np.empty_like(q), record, line.track.table, line.rail)
-    _forces(1, *arguments)
-    no_actuation = Actuation()
+    first = scenarios[STEPS_S[0]]
+    line = Line(first)
+    dry = BenchCoach(first, line, DRY_M)
+    contacts = {
+        POLACH: dry,
+        RECOVERING: BenchCoach(first, line, RECOVERING_M),
+        FASTSIM: BenchCoach(first, line, DRY_M, "fastsim"),
+    }
+    _idle_step_s(first, line, STEPS_S[0], 0.1)  # compiles
     values: dict[tuple[str, str], list[float]] = {}
 
     def note(name: str, unit: str, value: float) -> None:
@@ -59,36 +70,44 @@ def run_benchmarks(rounds: int, on_round: Callable[[int], None]) -> list[Benchma
     for k in range(rounds):
         on_round(k)
         loop_s = _timed(_interpreter_loop) / _LOOP
-        force_s = _timed(lambda: _forces(_FORCE_CALLS, *arguments)) / _FORCE_CALLS
         note("interpreter loop", "ns per turn", 1e9 * loop_s)
+        for name, sliding in contacts.items():
+            contacts_s = sliding.contacts_s()
+            note(name, "us", 1e6 * contacts_s)
+            note(f"{name}, over interpreter loop", "ratio", contacts_s / loop_s)
+        force_s = dry.force_s()
         note("force routine, compiled, alone", "us per call", 1e6 * force_s)
         note("force routine over interpreter loop", "ratio", force_s / loop_s)
         for step, scenario in scenarios.items():
-            idle = Coach(coach, line.contact, line.track, line.rail)
-            report = idle.run(
-                step, 10.0, 100.0, 30.0, lambda t_s, state: no_actuation, loop_period_s(scenario.simulation)
-            )
-            note(f"coach alone, rolling, {1000 * step:g} ms: step", "us", 1e6 * report.wall_s / report.steps)
+            label = f"{1000 * step:g} ms"
+            solver_s = dry.solver_s(step)
+            note(f"Exudyn alone, {label}: step", "us", 1e6 * solver_s)
+            note(f"coach alone, rolling, {label}: step", "us", 1e6 * _idle_step_s(scenario, line, step, 10.0))
             truth = simulate(scenario, lambda *_: None, lambda: False)
             per_step_s = truth.solve.wall_s / (truth.solve.simulated_s / step)
-            label = f"{SCENARIO}, {1000 * step:g} ms"
+            label = f"{SCENARIO}, {label}"
             note(f"{label}: solve", "times real time", truth.solve.realtime_factor)
             note(f"{label}: step", "us", 1e6 * per_step_s)
+            note(f"{label}: share of Exudyn in a step", "ratio", solver_s / per_step_s)
             note(f"{label}: step over force routine", "ratio", per_step_s / force_s)
             note(f"{label}: step over interpreter loop", "ratio", per_step_s / loop_s)
     return [Benchmark(name, unit, tuple(rows)) for (name, unit), rows in values.items()]
+
+
+def _idle_step_s(scenario: Scenario, line: Line, step_s: float, duration_s: float) -> float:
+    """Time of a step of a coach that rolls on with nothing but its own forces."""
+    no_actuation = Actuation()
+    coach = Coach(scenario.coach, line.contact, line.track, line.rail)
+    report = coach.run(
+        step_s, duration_s, 100.0, SPEED_MPS, lambda t_s, state: no_actuation, loop_period_s(scenario.simulation)
+    )
+    return report.wall_s / report.steps
 
 
 def _timed(work: Callable[[], object]) -> float:
     start = time.perf_counter()
     work()
     return time.perf_counter() - start
-
-
-@compiled
-def _forces(count: int, q: Array, v: Array, f: Array, record: Record, track: Array, rail: RailTables) -> None:
-    for _ in range(count):
-        coach_force(q, v, f, record, track, rail)
 
 
 def _interpreter_loop() -> int:
@@ -99,18 +118,22 @@ def _interpreter_loop() -> int:
 
 
 def benchmark_table(benchmarks: list[Benchmark]) -> Table:
-    """Medians, and the spread that tells how far the machine was its own."""
+    """Medians beside what is required, and the spread that tells how far the machine was its own."""
     table = Table("benchmark", "unit")
-    for heading in ("median", "least", "most"):
+    for heading in ("median", "required", "least", "most"):
         table.add_column(heading, justify="right")
     for b in benchmarks:
-        table.add_row(b.name, b.unit, *(f"{value:.4g}" for value in (b.median, min(b.values), max(b.values))))
+        required = "" if b.required is None else f"<= {b.required:g}"
+        least, most = f"{min(b.values):.4g}", f"{max(b.values):.4g}"
+        table.add_row(b.name, b.unit, f"{b.median:.4g}", required, least, most)
     return table
 
 
 def write_benchmarks(path: Path, benchmarks: list[Benchmark]) -> None:
-    """JSON: name -> unit, median, all values. Raises BadInput where the file cannot be written."""
-    content = {b.name: {"unit": b.unit, "median": b.median, "values": b.values} for b in benchmarks}
+    """JSON: name -> unit, median, required (null where nothing is), all values. Raises BadInput if it cannot be."""
+    content = {
+        b.name: {"unit": b.unit, "median": b.median, "required": b.required, "values": b.values} for b in benchmarks
+    }
     try:
         path.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
     except OSError as error:

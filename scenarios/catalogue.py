@@ -10,7 +10,7 @@ from scenarios.names import TABLES
 
 
 def catalogue_table() -> Table:
-    """One row for each scenario, controller, estimator and preset."""
+    """One row for each name, kind by kind."""
     table = Table()
     table.add_column("kind", no_wrap=True)
     table.add_column("name", no_wrap=True)
@@ -23,10 +23,12 @@ def catalogue_table() -> Table:
 
 
 def _line_on(kind: str, entry: Any) -> str:
-    """A scenario's title, a preset's first line of comment, the first line of a class's docstring."""
+    """A scenario's title, a law's own line, the first line of a docstring or of a preset's comment."""
     if kind == "scenario":
         return str(read_toml(entry).get("scenario", {}).get("title", ""))
-    if isinstance(entry, type):
+    if kind == "creep law":
+        return str(entry.description)
+    if callable(entry):  # a class, or the function that draws a profile
         return (inspect.getdoc(entry) or "").partition("\n")[0]
     first = entry.read_text(encoding="utf-8").partition("\n")[0]
     return str(first.removeprefix("#").strip()) if first.startswith("#") else ""

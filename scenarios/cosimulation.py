@@ -23,6 +23,7 @@ from scenarios.parquet import read_columns
 from scenarios.recorder import Recorder
 from scenarios.schema import TICK_S, Scenario, SimulationParameters
 from scenarios.truth import SolveRecord, Truth, rail_stream
+from scenarios.units import KMH_PER_MPS
 from sensors import AxleSpeedReadings, Tachometers, random_stream
 from vehicle import Actuation, Coach, CoachState, SolveReport, SolverFailure
 from wheel_rail import Adhesion, Contact, RailState, Track
@@ -110,7 +111,7 @@ def simulate(scenario: Scenario, on_progress: OnProgress, stop_requested: Callab
             simulation.step_s,
             simulation.longest_s,
             simulation.initial_position_m,
-            simulation.initial_speed_kmh / 3.6,
+            simulation.initial_speed_kmh / KMH_PER_MPS,
             loop.on_step,
             loop.period_s,
         )
@@ -131,7 +132,7 @@ def _compile(scenario: Scenario) -> None:
     coach = Coach(scenario.coach, line.contact, line.track, line.rail)
     loop = _Loop(scenario, line, lambda *_: None, lambda: False)
     simulation = scenario.simulation
-    speed_mps = simulation.initial_speed_kmh / 3.6
+    speed_mps = simulation.initial_speed_kmh / KMH_PER_MPS
     coach.run(simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_step, loop.period_s)
 
 

@@ -4,6 +4,8 @@ from typing import Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from scenarios.units import KMH_PER_MPS
+
 
 class DriverPhase(BaseModel):
     """What the driver does from `from_m` on, until the next phase."""
@@ -75,7 +77,7 @@ class Driver:
         phase = phases[self._phase]
         wanted = 0.0
         if phase.speed_kmh is not None:
-            error = phase.speed_kmh / 3.6 - speed_mps
+            error = phase.speed_kmh / KMH_PER_MPS - speed_mps
             wanted = self._GAIN_NSPM * error + self._integral_n
             limited = min(max(wanted, 0.0), self._parameters.largest_traction_n)
             if limited == wanted:

@@ -14,6 +14,7 @@ from typing import Any
 
 from scenarios.errors import BadInput, Fault
 from scenarios.names import UnknownName, find_file
+from scenarios.relative_paths import anchor_paths
 
 PRESET_KINDS = {"coach": "coach preset", "brake": "brake preset", "imu": "IMU preset"}
 """Section -> the kind of preset that its key `preset` names."""
@@ -74,7 +75,8 @@ class Merged:
             try:
                 if not isinstance(name, str):
                     raise UnknownName(f"must be the name of a {kind} or a path to a .toml file, not {name!r}")
-                preset = read_toml(find_file(kind, name))
+                file = find_file(kind, name)
+                preset = read_toml(file)
             except UnknownName as error:
                 faults.append(Fault(self.origin((section, "preset")), key, str(error)))
                 self.without_preset.add(section)
@@ -83,6 +85,7 @@ class Merged:
                 faults.extend(error.faults)
                 self.without_preset.add(section)
                 continue
+            anchor_paths({section: preset}, file.parent)
             own = self.tree[section]
             del own["preset"]
             origins = {path: source for path, source in self.origins.items() if path[:1] == (section,)}

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from estimators.interface import EstimateStream
 from scenarios.etcs import distance_limit_m, speed_limit_kmh
 from scenarios.truth import MotionStream, SolveRecord, Truth, WheelsetStream
+from scenarios.units import KMH_PER_MPS
 from sensors.readings import BaliseReadings
 
-KMH = 3.6
 STANDSTILL_MPS = 0.02
 SLIDE_SLIP = 0.03
-SLIP_COUNTS_ABOVE_MPS = 10.0 / KMH
-LOCK_COUNTS_ABOVE_MPS = 30.0 / KMH
+SLIP_COUNTS_ABOVE_MPS = 10.0 / KMH_PER_MPS
+LOCK_COUNTS_ABOVE_MPS = 30.0 / KMH_PER_MPS
 LOCKED_RIM_SHARE = 0.05
 SHARES_PERIOD_S = 0.1
 
@@ -159,11 +159,11 @@ def estimator_errors(motion: MotionStream, balises: BaliseReadings, estimate: Es
     within = (t_s >= first_s - 1e-9) & (t_s <= last_s + 1e-9) & (held >= 0)
     t_s, held = t_s[within], held[within]
     position_m = np.interp(t_s, motion.t_s, motion.position_m)
-    speed_kmh = KMH * np.interp(t_s, motion.t_s, motion.speed_mps)
+    speed_kmh = KMH_PER_MPS * np.interp(t_s, motion.t_s, motion.speed_mps)
     return EstimatorErrors(
         t_s=t_s,
         position_m=position_m,
-        speed_kmh=KMH * estimate.speed_mps[held] - speed_kmh,
+        speed_kmh=KMH_PER_MPS * estimate.speed_mps[held] - speed_kmh,
         distance_m=estimate.position_m[held] - position_m,
         gradient_permille=estimate.gradient_permille[held] - np.interp(t_s, motion.t_s, motion.gradient_permille),
         speed_limit_kmh=speed_limit_kmh(speed_kmh),

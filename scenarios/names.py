@@ -5,6 +5,7 @@ the user's own, `path/to/file.toml` a preset of the user's own.
 """
 
 import difflib
+import hashlib
 import importlib.util
 import inspect
 import sys
@@ -161,7 +162,7 @@ def _module_of(kind: str, name: str) -> tuple[ModuleType, str]:
     path = Path(file_name)
     if not path.is_file():
         raise UnknownName(f"{kind} {name!r} not found: there is no file {file_name}")
-    module_name = f"railslide_user_{path.stem}_{abs(hash(str(path.resolve())))}"
+    module_name = f"railslide_user_{path.stem}_{_digest(path)}"
     module = sys.modules.get(module_name)
     if module is None:
         spec = importlib.util.spec_from_file_location(module_name, path)
@@ -177,6 +178,11 @@ def _module_of(kind: str, name: str) -> tuple[ModuleType, str]:
                 f"{kind} {name!r}: importing {file_name} failed with {type(error).__name__}: {error}"
             ) from error
     return module, name_inside
+
+
+def _digest(path: Path) -> str:
+    """The same in every process, so that what one has pickled another finds."""
+    return hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:16]
 
 
 def _class_from_file(kind: str, name: str) -> Any:

@@ -29,6 +29,10 @@ def write_stream(path: Path, stream: Stream) -> None:
 
 def read_columns(path: Path) -> dict[str, np.ndarray]:
     """The columns of a Parquet file by name. Raises ValueError if it cannot be read."""
+    if path.is_dir():
+        raise ValueError("is a folder, a Parquet file is wanted")
+    if not path.exists():
+        raise ValueError("there is no such file")
     try:
         table = pq.read_table(path)
     except (OSError, pa.ArrowException) as error:

@@ -19,6 +19,7 @@ from scenarios.metrics import estimator_errors, estimator_metrics, metrics_tree,
 from scenarios.names import display_name
 from scenarios.observe import observe
 from scenarios.parquet import write_stream
+from scenarios.rail_adhesion import adhesion_along_rail
 from scenarios.run_folder import PROGRAM, RunFolder
 from scenarios.scenario_file import dump_scenario
 from scenarios.schema import Scenario
@@ -144,6 +145,7 @@ def _fill(
                 observed.balises,
                 observed.estimates,
                 errors,
+                adhesion_along_rail(scenario, truth),
             )
     return metrics, truth.solve, pictures
 

@@ -8,6 +8,7 @@ import json
 import os
 import shutil
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -15,32 +16,52 @@ from typing import Any, Self
 from scenarios.errors import BadInput, Fault
 
 PROGRAM = "railslide"
-ENTRIES = frozenset(
-    {
-        "scenario.toml",
-        "provenance.json",
-        "metrics.json",
-        "failure.txt",
-        "truth.parquet",
-        "wheelsets.parquet",
-        "brake.parquet",
-        "rail.parquet",
-        "readings",
-        "estimates",
-        "figures",
-    }
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What a command writes at the top of its folder: all `entries`, which `record` names the program, what to call it.
+
+    `folders` are made at once.
+    """
+
+    entries: frozenset[str]
+    record: str
+    name: str
+    folders: tuple[str, ...] = ()
+
+
+RUN = Contents(
+    frozenset(
+        {
+            "scenario.toml",
+            "provenance.json",
+            "metrics.json",
+            "failure.txt",
+            "truth.parquet",
+            "wheelsets.parquet",
+            "brake.parquet",
+            "rail.parquet",
+            "readings",
+            "estimates",
+            "figures",
+        }
+    ),
+    "provenance.json",
+    "run",
+    ("readings", "estimates"),
 )
-"""All that a run writes at the top of its folder."""
 
 
 class RunFolder:
-    """Context of one run's output: write into `path`, then call `publish` or `publish_failed`.
+    """Context of one command's output, a run's as a rule: write into `path`, then `publish` or `publish_failed`.
 
     Leaving the context without either (an error, Ctrl-C) removes everything that was written, the parent folders that
     were made for it included. Raises BadInput on entry if the folder cannot be written or must not be replaced.
     """
 
-    def __init__(self, parent: Path, name: str) -> None:
+    def __init__(self, parent: Path, name: str, contents: Contents = RUN) -> None:
+        self._contents = contents
         self.final = parent / name
         self.failed = parent / f"{name}.failed"
         self.path = parent / f".{name}.{os.getpid()}.partial"
@@ -48,7 +69,7 @@ class RunFolder:
 
     def __enter__(self) -> Self:
         for place in (self.final, self.failed):
-            refusal = why_not_replaceable(place)
+            refusal = why_not_replaceable(place, self._contents)
             if refusal:
                 raise BadInput(Fault("--out", str(place), refusal))
         try:
@@ -58,8 +79,8 @@ class RunFolder:
                 folder.mkdir()
             remove(self.path)
             self.path.mkdir()
-            (self.path / "readings").mkdir()
-            (self.path / "estimates").mkdir()
+            for folder_name in self._contents.folders:
+                (self.path / folder_name).mkdir()
         except OSError as error:
             self._leave_nothing()
             raise BadInput(Fault("--out", str(self.path.parent), f"cannot be written: {error.strerror}")) from None
@@ -98,20 +119,22 @@ class RunFolder:
                 break
 
 
-def why_not_replaceable(place: Path) -> str:
-    """Empty if nothing stands at `place` or an older run does; otherwise why it must be left alone."""
+def why_not_replaceable(place: Path, contents: Contents) -> str:
+    """Empty if nothing stands at `place` or an older folder of these contents; otherwise why it must be left alone."""
+    alien = f"exists and is not a {contents.name} folder: choose another --out or scenario.name"
     if not os.path.lexists(place):
         return ""
     if place.is_symlink() or not place.is_dir():
-        return "exists and is not a run folder: choose another --out or scenario.name"
-    strangers = sorted(entry.name for entry in place.iterdir() if entry.name not in ENTRIES)
+        return alien
+    strangers = sorted(entry.name for entry in place.iterdir() if entry.name not in contents.entries)
     if strangers:
-        return f"exists and holds what no run wrote ({', '.join(strangers[:3])}): move that or choose another --out"
+        named = ", ".join(strangers[:3])
+        return f"exists and holds what no {contents.name} wrote ({named}): move that or choose another --out"
     try:
-        program = json.loads((place / "provenance.json").read_text(encoding="utf-8"))["program"]
+        program = json.loads((place / contents.record).read_text(encoding="utf-8"))["program"]
     except (OSError, ValueError, KeyError, TypeError):
         program = None
-    return "" if program == PROGRAM else "exists and is not a run folder: choose another --out or scenario.name"
+    return "" if program == PROGRAM else alien
 
 
 def remove(folder: Path) -> None:

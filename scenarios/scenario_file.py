@@ -12,6 +12,7 @@ from scenarios.errors import BadInput, Fault
 from scenarios.faults import table_fault, unknown_key, validate_section
 from scenarios.layers import Layer, Merged, Tree, parse_setting, read_toml
 from scenarios.names import UnknownName, display_name, find_class, find_creep_law, find_file
+from scenarios.relative_paths import anchor_paths, table_of
 from scenarios.schema import TICK_S, Scenario
 from sensors import Imu
 
@@ -43,7 +44,7 @@ def load_scenario(name_or_path: str | Path, settings: Sequence[str] = ()) -> Sce
     for setting in settings:
         try:
             tree = parse_setting(setting)
-            if "extends" in _table(tree, "scenario"):
+            if "extends" in table_of(tree, "scenario"):
                 raise BadInput(Fault("--set", setting, "extends belongs in a file"))
             merged.add(_prepared(Layer(tree, "--set", Path())))
         except BadInput as error:
@@ -84,7 +85,7 @@ def _file_layers(path: Path) -> list[Layer]:
             raise BadInput(Fault(str(path), "scenario.extends", f"goes in a circle: {chain}"))
         seen.append(path.resolve())
         layer = _prepared(Layer(read_toml(path), str(path), path.parent))
-        head = _table(layer.tree, "scenario")
+        head = table_of(layer.tree, "scenario")
         parent = head.pop("extends", None)
         if layers:  # name and title belong to the file itself
             head.pop("name", None)
@@ -101,51 +102,14 @@ def _file_layers(path: Path) -> list[Layer]:
 
 
 def _prepared(layer: Layer) -> Layer:
-    """`seed` stands for both seeds; relative paths of a user's classes and presets count from the layer's folder."""
-    head = _table(layer.tree, "scenario")
+    """`seed` stands for both seeds; relative paths of a user's files count from the layer's folder."""
+    head = table_of(layer.tree, "scenario")
     if "seed" in head:
         seed = head.pop("seed")
         head.setdefault("world_seed", seed)
         head.setdefault("sensor_seed", seed)
-    for section in ("coach", "brake", "imu"):
-        table = _table(layer.tree, section)
-        if "preset" in table:
-            table["preset"] = _anchored(table["preset"], layer.folder, ".toml")
-    for section, key in (("wsp", "controller"), ("creep_law", "name")):
-        table = _table(layer.tree, section)
-        if key in table:
-            table[key] = _anchored(table[key], layer.folder, ".py:")
-    _anchor_adhesion(_table(layer.tree, "adhesion"), layer.folder)
-    estimators = _table(layer.tree, "estimators")
-    if isinstance(estimators.get("names"), list):
-        estimators["names"] = [_anchored(name, layer.folder, ".py:") for name in estimators["names"]]
-    for name in [name for name in estimators if ".py:" in name]:
-        estimators[_anchored(name, layer.folder, ".py:")] = estimators.pop(name)
+    anchor_paths(layer.tree, layer.folder)
     return layer
-
-
-def _anchor_adhesion(adhesion: Tree, folder: Path) -> None:
-    """Files of rail state, peak adhesion and recovery."""
-    if "rail_state_file" in adhesion:
-        adhesion["rail_state_file"] = _anchored(adhesion["rail_state_file"], folder, ".")
-    for entries in (adhesion.get("stretches"), adhesion.get("patches")):
-        for entry in entries if isinstance(entries, list) else ():
-            if isinstance(entry, dict):
-                for key, mark in (("file", "."), ("recovery", ".toml")):
-                    if key in entry:
-                        entry[key] = _anchored(entry[key], folder, mark)
-
-
-def _anchored(value: Any, folder: Path, mark: str) -> Any:
-    """A path in a file counts from the file's folder; anything but a path is left alone."""
-    if not isinstance(value, str) or mark not in value:
-        return value
-    return str((folder / value).resolve())
-
-
-def _table(tree: Tree, section: str) -> Tree:
-    table = tree.get(section)
-    return table if isinstance(table, dict) else {}
 
 
 def _validated(merged: Merged, faults: list[Fault]) -> Scenario | None:
@@ -172,7 +136,9 @@ def _contradictions(scenario: Scenario, merged: Merged) -> Iterator[Fault]:
     try:
         line = Line(scenario)
     except ValueError as error:
-        yield table_fault(merged, (), str(error))
+        # wheel_rail knows the contact, but not that it stands among the coach's parameters
+        within = "coach." if str(error).startswith("contact.") else ""
+        yield table_fault(merged, (), f"{within}{error}")
     else:
         if not line.holds(simulation.initial_position_m):
             source = merged.origin(("simulation", "initial_position_m"))

@@ -6,6 +6,7 @@ from scenarios.cosimulation import Line
 from scenarios.metrics import stop_span
 from scenarios.schema import Scenario
 from scenarios.truth import Truth
+from vehicle import GRAVITY_MPS2
 from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Vector, compiled
@@ -74,7 +75,7 @@ def _point_mass_stop(
                 limit += peak * load_n
         drag = resistance[0] + speed_mps * (resistance[1] + speed_mps * resistance[2])
         place = min(max(int(position_m), 0), gradient_permille.shape[0] - 1)
-        slope = mass_kg * 9.81 * gradient_permille[place] / 1000.0
+        slope = mass_kg * GRAVITY_MPS2 * gradient_permille[place] / 1000.0
         # what the discs take out of the wheels' rotation does not pass through the rail
         deceleration = min((force_n[k] + drag + slope) / effective_mass_kg, (limit + drag + slope) / mass_kg)
         if speed_mps - deceleration * _STEP_S <= 0.0:

@@ -13,8 +13,8 @@ from rich.table import Table
 from scenarios.interruption import Interruption
 from scenarios.run import RunResult, Watcher
 from scenarios.schema import Scenario
+from scenarios.units import KMH_PER_MPS
 
-KMH = 3.6
 REFRESH_S = 0.05
 USUAL_DECELERATION_MPS2 = 0.6
 """For the progress bar alone, which guesses when the run will end."""
@@ -62,7 +62,7 @@ class TerminalWatcher(Watcher):
         if now - self._shown_at >= REFRESH_S:
             self._shown_at = now
             share = t_s / max(t_s + self._remaining_s(t_s, position_m, speed_mps), 1e-9)
-            state = f"{t_s:6.1f} s  {position_m:7.0f} m  {KMH * speed_mps:6.1f} km/h"
+            state = f"{t_s:6.1f} s  {position_m:7.0f} m  {KMH_PER_MPS * speed_mps:6.1f} km/h"
             self._progress.update(self._task, completed=share, state=state)
 
     def stop_requested(self) -> bool:

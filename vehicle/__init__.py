@@ -6,10 +6,11 @@ torque is a capacity >= 0, a drive torque is positive forwards. SI units; forces
 
 from vehicle.coach import Actuation, Coach, CoachState, SolveReport, SolverFailure
 from vehicle.observation import OBSERVATION, POWERS
-from vehicle.parameters import COACH_PRESETS, CoachParameters
+from vehicle.parameters import COACH_PRESETS, GRAVITY_MPS2, CoachParameters
 
 __all__ = [
     "COACH_PRESETS",
+    "GRAVITY_MPS2",
     "OBSERVATION",
     "POWERS",
     "Actuation",

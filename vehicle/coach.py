@@ -134,13 +134,13 @@ class Coach:
         )
         container = exu.SystemContainer()  # owns the system: it must outlive the solve
         mbs = container.AddSystem()
-        system = _assemble(mbs, record, q, v)
+        system = assemble(mbs, record, q, v)
         solver = exu.MainSolverImplicitSecondOrder()
         every = round(period_s / step_s)
         if every < 1 or abs(every * step_s - period_s) > 1e-9:
             raise ValueError(f"period_s = {period_s}: must be a whole multiple of step_s = {step_s}")
         run = _Run(mbs, system, solver, record, self._track.table, self._rail, step_s, on_step, every)
-        settings = _settings(exu, step_s, longest_s)
+        settings = solver_settings(exu, step_s, longest_s)
         collecting = gc.isenabled()
         gc.disable()  # a callback makes no cycles, and the collector would look through everything again and again
         try:
@@ -161,7 +161,7 @@ class Coach:
         )
 
 
-def _assemble(mbs: Any, record: np.ndarray, q: np.ndarray, v: np.ndarray) -> int:
+def assemble(mbs: Any, record: np.ndarray, q: np.ndarray, v: np.ndarray) -> int:
     """Add one node of all coordinates, at q, v (46,), and one object with all masses and forces; returns its number.
 
     The mass matrix is diagonal and constant: velocities are those of the bodies' own axes, and what remains of a rigid
@@ -288,7 +288,8 @@ def load_exudyn() -> ModuleType:
     return exudyn
 
 
-def _settings(exu: ModuleType, step_s: float, longest_s: float) -> Any:
+def solver_settings(exu: ModuleType, step_s: float, longest_s: float) -> Any:
+    """Settings of Exudyn's implicit solver for linearised steps with a Jacobian that is kept."""
     settings = exu.SimulationSettings()
     integration = settings.timeIntegration
     integration.numberOfSteps = max(1, round(longest_s / step_s))

@@ -7,7 +7,7 @@ class times the velocities is its power, so that energy is audited class by clas
 
 import math
 
-from vehicle.layout import GRAVITY_MPS2
+from vehicle.parameters import GRAVITY_MPS2
 from vehicle.suspension import add_suspension, body_frames
 from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_memory import recall_friction

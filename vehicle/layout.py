@@ -9,7 +9,7 @@ where the body had turned to when the turn was `turned`.
 
 import numpy as np
 
-from vehicle.parameters import Characteristic, CoachParameters
+from vehicle.parameters import GRAVITY_MPS2, Characteristic, CoachParameters
 from wheel_rail import CONTACT, Contact
 from wheel_rail.adhesion_memory import MEMORY
 from wheel_rail.adhesion_state import RAIL
@@ -17,7 +17,6 @@ from wheel_rail.compiled import record_reader
 from wheel_rail.contact import REPORT
 from wheel_rail.recovery import CONDITION
 
-GRAVITY_MPS2 = 9.81
 BODIES = 7
 COORDINATES = 46
 SPIN = 42  # first spin coordinate

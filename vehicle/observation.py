@@ -8,7 +8,8 @@ import math
 import numpy as np
 
 from vehicle.forces import BRAKE, CONTACT_NORMAL, CREEP, DRIVE, GRAVITY, RESISTANCE, SUSPENSION, forces_by_class
-from vehicle.layout import GRAVITY_MPS2, coach_at
+from vehicle.layout import coach_at
+from vehicle.parameters import GRAVITY_MPS2
 from wheel_rail.adhesion_memory import MEMORY
 from wheel_rail.adhesion_state import rail_of
 from wheel_rail.compiled import array_at, compiled, record_reader

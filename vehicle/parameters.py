@@ -9,6 +9,8 @@ from wheel_rail import ContactParameters
 
 COACH_PRESETS: dict[str, Path] = {p.stem: p for p in sorted((Path(__file__).parent / "presets").glob("*.toml"))}
 
+GRAVITY_MPS2 = 9.81
+
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 Stiffness = tuple[NotNegative, NotNegative, NotNegative]
@@ -146,4 +148,4 @@ class CoachParameters(_Section):
     @property
     def static_wheel_load_n(self) -> float:
         """Vertical load of each wheel on level straight track."""
-        return self.mass_kg * 9.81 / 8.0
+        return self.mass_kg * GRAVITY_MPS2 / 8.0

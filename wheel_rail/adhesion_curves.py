@@ -17,8 +17,8 @@ from wheel_rail.recovery import CONDITION, DEGRADED, MU0, RECOVERED, TAU, offere
 from wheel_rail.sanding import SandEffect
 
 REFERENCE_LOAD_N = 68.7e3
-REFERENCE_SPEED_MPS = 100.0 / 3.6
 KMH_PER_MPS = 3.6
+REFERENCE_SPEED_MPS = 100.0 / KMH_PER_MPS
 
 # a row of curves: as a wheel's condition up to TAU (mu0 of the recovered curve: what does not scale with the degraded
 # one; that of the degraded curve varies from place to place and is not in here), then

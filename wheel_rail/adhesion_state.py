@@ -112,6 +112,9 @@ class RailState:
         for name in ("position_m", *_COLUMNS):
             if name not in arrays:
                 raise ValueError(f"{name}: the column is missing; a rail state has position_m, {', '.join(_COLUMNS)}")
+            kind = np.asarray(arrays[name]).dtype
+            if kind.kind not in "fiu":
+                raise ValueError(f"{name}: must hold numbers, here {kind}")
         position_m = np.asarray(arrays["position_m"], dtype=float)
         if position_m.ndim != 1 or len(position_m) < 2 or not np.all(np.isfinite(position_m)):
             raise ValueError("position_m: must be a row of at least two finite positions")

@@ -13,7 +13,7 @@ class ConicalGeometry(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     conicity: float = Field(ge=0.0, le=0.5, description="tangent of the cone's half angle")
-    rail_head_radius_m: float = Field(gt=0.0)
+    rail_head_radius_m: float = Field(ge=0.05, le=100.0)
     flange_clearance_m: float = Field(gt=0.0, le=0.02, description="lateral play to either side")
 
 

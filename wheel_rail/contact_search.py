@@ -204,19 +204,3 @@ def let_down(
             pose[p, i, 1] = 0.5 * (left + right)
             if not math.isfinite(left + right):
                 roll = 0.0
-
-
-@compiled
-def read_contact(y_m: float, first_m: float, step_m: float, side: int, contacts: Array, row: Array) -> None:
-    """Contact of one side (0 left, 1 right) at displacement y by linear interpolation, into `row` (COLUMNS,).
-
-    `contacts` (n, 2, COLUMNS) is one yaw of a table whose displacements are `first_m` + k `step_m`. Beyond the table
-    its end row holds.
-    """
-    u = (y_m - first_m) / step_m
-    last = contacts.shape[0] - 1
-    u = min(max(u, 0.0), float(last))
-    k = min(int(u), last - 1)
-    u -= k
-    for c in range(COLUMNS):
-        row[c] = contacts[k, side, c] + u * (contacts[k + 1, side, c] - contacts[k, side, c])

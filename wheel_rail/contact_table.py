@@ -5,7 +5,8 @@ lateral stop on the rail's stiffness takes over.
 """
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
+from pathlib import Path
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from wheel_rail.contact_search import ALONG, CONICITY, RADIUS, TRACK_Y, TRACK_Z
 from wheel_rail.creep_laws import CREEP_LAWS, EXTRA, LawInForce
 from wheel_rail.hertz import elliptic_contact
 from wheel_rail.kalker import creep_coefficients
+from wheel_rail.profiles import rail_profile, wheel_profile
 from wheel_rail.track import RAIL_SPACING_M
 
 NODES = 201
@@ -67,13 +69,13 @@ class Contact:
 
     @cached_property
     def constants(self) -> np.ndarray:
-        """Record of dtype `CONTACT` (shape ()). Raises ValueError or ProfileError for profiles that cannot be used."""
+        """Record of dtype `CONTACT` (shape ()). Raises ValueError, which names the key, for unusable profiles."""
         p = self.parameters
         record = np.zeros((), CONTACT)
         if p.geometry == "conical" and p.conical is not None:
             displacement, table = self._conical(p.conical)
         elif p.profiles is not None:
-            displacement, table = self._profiles(p.profiles)
+            displacement, table = _profile_table(self, p.profiles, *_file_times(p.profiles))
         record["table"] = table
         record["first_m"], record["step_m"] = displacement[0], displacement[1] - displacement[0]
         record["flange_clearance_m"] = displacement[-1]
@@ -122,10 +124,20 @@ class Contact:
         return displacement, table
 
     def _profiles(self, profiles: ProfileGeometry) -> tuple[np.ndarray, np.ndarray]:
-        geometry = ContactGeometry(profiles.geometry, (self.radius_m, self.radius_m))
-        limit = self._end_of_tread_m(geometry)
-        displacement = np.linspace(-limit, limit, NODES)
-        found = geometry.table(displacement, penetration_m=_PENETRATION_M).contacts[0]
+        for key, read in (("wheel_profile", wheel_profile), ("rail_profile", rail_profile)):
+            name = getattr(profiles, key)
+            try:
+                read(name)
+            except ValueError as error:
+                raise ValueError(f"contact.profiles.{key} = {name}: {error}") from None
+        try:
+            geometry = ContactGeometry(profiles.geometry, (self.radius_m, self.radius_m))
+            limit = self._end_of_tread_m(geometry)
+            displacement = np.linspace(-limit, limit, NODES)
+            found = geometry.table(displacement, penetration_m=_PENETRATION_M).contacts[0]
+        except ValueError as error:
+            here = f"contact.profiles.gauge_m = {profiles.gauge_m}"
+            raise ValueError(f"{here}: with back_to_back_m = {profiles.back_to_back_m}, {error}") from None
         table = np.zeros((2, NODES, COLUMNS))
         taken = (
             (PLACE_ALONG, ALONG),
@@ -148,9 +160,7 @@ class Contact:
         slope = geometry.table(outwards, penetration_m=_PENETRATION_M).contacts[0, :, 0, CONICITY]
         beyond = np.flatnonzero(slope > FLANGE_SLOPE)
         if not beyond.size or beyond[0] < 5:
-            raise ValueError(
-                "contact.profiles: gauge_m and back_to_back_m must bring the flange to the rail within 0.5 to 20 mm"
-            )
+            raise ValueError("the flange does not meet the rail at a displacement of 0.5 to 20 mm")
         return float(outwards[beyond[0] - 1])
 
     def _hertz(self, rolling_1pm: float, lateral_1pm: float) -> list[float]:
@@ -165,3 +175,15 @@ class Contact:
         stiffness = 1.0 / (1.0 / hertz + 1.0 / p.track_stiffness_npm)
         factor = 1.0 + 6.3 * (1.0 - np.exp(-ratio))
         return [ellipse.a_m, ellipse.b_m, *creep_coefficients(ratio, p.poisson), float(factor), stiffness]
+
+
+@lru_cache(maxsize=16)
+def _profile_table(contact: Contact, profiles: ProfileGeometry, *_file_times_ns: int) -> tuple[np.ndarray, np.ndarray]:
+    """Made once for each contact and state of the files: a run asks for it several times, and it takes 0.3 s."""
+    return contact._profiles(profiles)
+
+
+def _file_times(profiles: ProfileGeometry) -> list[int]:
+    """When the profiles that are files were written, ns."""
+    files = map(Path, (profiles.wheel_profile, profiles.rail_profile))
+    return [file.stat().st_mtime_ns for file in files if file.is_file()]

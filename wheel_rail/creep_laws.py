@@ -6,6 +6,7 @@ user's compiled law (0 otherwise), `extra` (8,) holds the law's own parameters.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -131,8 +132,10 @@ CREEP_LAWS: dict[str, CreepLaw] = {
 }
 
 
+@lru_cache(maxsize=64)
 def user_creep_law(function: Callable[..., Any], name: str) -> CreepLaw:
-    """The creep law of a user's `function` with the arguments `user_law.ARGUMENTS`; it takes no parameters.
+    """The creep law of a user's `function` with the arguments `user_law.ARGUMENTS`; it takes no parameters and is
+    compiled once.
 
     Raises UnusableLaw if it cannot be compiled or is no creep law.
     """

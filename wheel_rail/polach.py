@@ -9,9 +9,8 @@ calculation computer code, Vehicle System Dynamics Supplement 33 (1999) 728-739 
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from wheel_rail.compiled import Array, Vector, compiled
+from wheel_rail.slip import counted_lateral_creep, friction, tangent_with_fall
 
 
 @dataclass(frozen=True)
@@ -45,12 +44,9 @@ def polach_force(
     creepages and stays within mu N.
     """
     a, b, c11, c22, c23 = patch[0], patch[1], patch[2], patch[3], patch[4]
-    mu = rail[0] * ((1.0 - rail[1]) * math.exp(-rail[2] * slip_speed_mps) + rail[1])
+    mu = friction(rail, slip_speed_mps)
     limit = mu * normal_force_n
-    # lateral creepage that counts: spin adds where it increases it (Polach 1999, eq. 4)
-    creep_yc = creep_y + spin_1pm * a
-    if abs(creep_yc) <= abs(creep_y):
-        creep_yc = creep_y
+    creep_yc = counted_lateral_creep(creep_y, spin_1pm, a)
     total = math.sqrt(creep_x * creep_x + creep_yc * creep_yc)
     if total < 1e-14 or limit <= 0.0:
         slope = 0.25 * shear_modulus_pa * math.pi * a * b * c11 * (rail[3] + rail[4]) * 2.0 / math.pi
@@ -68,9 +64,7 @@ def polach_force(
         * stiffness
         * (rail[3] * (1.0 - eps_a * eps_a) / (denominator * denominator) + rail[4] / (1.0 + eps_s * eps_s))
     )
-    # friction falls as the slip speed rises with the creep: what does not follow from the creep follows the limit
-    fall = -rail[2] * (mu - rail[0] * rail[1]) / mu
-    tangent += (force - tangent * total) * fall * slip_speed_mps / total
+    tangent = tangent_with_fall(tangent, force, total, slip_speed_mps, mu, rail)
     fx = -force * creep_x / total
     fy = -force * creep_y / total
     if spin_1pm != 0.0:
@@ -90,75 +84,3 @@ def polach_force(
             fx *= shrink
             fy *= shrink
     return fx, fy, tangent, force / total
-
-
-@compiled
-def adhesion_at(
-    creep: float, speed_mps: float, normal_force_n: float, patch: Vector, rail: Array, shear_modulus_pa: float
-) -> float:
-    """Utilised adhesion |F|/N at a purely longitudinal creep."""
-    fx, _, _, _ = polach_force(creep, 0.0, 0.0, creep * speed_mps, normal_force_n, patch, rail, shear_modulus_pa)
-    return abs(fx) / normal_force_n
-
-
-@compiled
-def peak_adhesion(
-    speed_mps: float, normal_force_n: float, patch: Vector, rail: Array, shear_modulus_pa: float
-) -> tuple[float, float]:
-    """Largest adhesion over longitudinal creep up to 0.3 and the creep where it lies.
-
-    The curve has a single maximum in creep: golden-section search over the logarithm of creep.
-    """
-    golden = 0.6180339887498949
-    low, high = math.log(1e-4), math.log(0.3)
-    x1 = high - golden * (high - low)
-    x2 = low + golden * (high - low)
-    f1 = adhesion_at(math.exp(x1), speed_mps, normal_force_n, patch, rail, shear_modulus_pa)
-    f2 = adhesion_at(math.exp(x2), speed_mps, normal_force_n, patch, rail, shear_modulus_pa)
-    for _ in range(24):
-        if f1 < f2:
-            low, x1, f1 = x1, x2, f2
-            x2 = low + golden * (high - low)
-            f2 = adhesion_at(math.exp(x2), speed_mps, normal_force_n, patch, rail, shear_modulus_pa)
-        else:
-            high, x2, f2 = x2, x1, f1
-            x1 = high - golden * (high - low)
-            f1 = adhesion_at(math.exp(x1), speed_mps, normal_force_n, patch, rail, shear_modulus_pa)
-    if f1 > f2:
-        return f1, math.exp(x1)
-    return f2, math.exp(x2)
-
-
-def mu0_for_peak(
-    peak: np.ndarray,
-    surface: Surface,
-    speed_mps: float,
-    normal_force_n: float,
-    patch: np.ndarray,
-    shear_modulus_pa: float,
-) -> np.ndarray:
-    """The law's mu0 that gives these peak adhesions (any shape, 0 < peak <= 1) at `speed_mps` and `normal_force_n`.
-
-    Raises ValueError where no mu0 reaches the peak.
-    """
-    peak = np.asarray(peak, dtype=float)
-    # peak over mu0 is smooth and monotone: tabulated once and inverted by interpolation
-    grid = np.geomspace(0.002, 3.0, 200)
-    reached = np.array(
-        [
-            peak_adhesion(
-                speed_mps,
-                normal_force_n,
-                patch,
-                np.array([m, surface.falling_a, surface.falling_b_spm, surface.k_adhesion, surface.k_slip]),
-                shear_modulus_pa,
-            )[0]
-            for m in grid
-        ]
-    )
-    if np.any(peak < reached[0]) or np.any(peak > reached[-1]):
-        raise ValueError(
-            f"peak adhesion {float(np.min(peak)):.4g} to {float(np.max(peak)):.4g}: this surface reaches "
-            f"{reached[0]:.4g} to {reached[-1]:.4g}"
-        )
-    return np.exp(np.interp(np.log(peak), np.log(reached), np.log(grid)))

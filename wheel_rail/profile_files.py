@@ -57,7 +57,7 @@ def read_profile_points(path: Path, kind: str) -> np.ndarray:
 def _parsed(path: Path) -> np.ndarray:
     try:
         text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:  # ValueError: not UTF-8, or a null character in the path
         raise ProfileError(f"{path}: cannot be read as a profile: {error}") from error
     rows = []
     for number, line in enumerate(text.splitlines(), start=1):

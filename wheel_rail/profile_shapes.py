@@ -1,4 +1,4 @@
-"""Drawn shapes of wheel and rail profiles, piece by piece as their standards define them, sampled to points in mm.
+"""Drawn shapes of wheel and rail profiles, piece by piece as their standards define them: points (n, 2) in mm.
 
 Wheel: y from the tape circle, flange at negative y, z positive downwards (towards the flange tip), z = 0 at the tape
 circle. Rail: gauge side at negative y, z positive downwards. All shapes run from the flange or gauge side outwards.
@@ -44,7 +44,7 @@ def _sampled(pieces: list[Piece]) -> np.ndarray:
 
 
 def s1002() -> np.ndarray:
-    """Wheel profile S1002 (EN 13715, flange 28 mm high; UIC 510-2 gives the same curves), (n, 2) in mm."""
+    """Wheel profile S1002 (EN 13715, flange 28 mm high; UIC 510-2 gives the same curves)."""
     return _sampled(
         [
             (-70.0, -62.764705882, _arc(-49.5, 9.519259302, -20.5)),
@@ -74,7 +74,7 @@ def s1002() -> np.ndarray:
 
 
 def en15302_wheel_a() -> np.ndarray:
-    """Reference wheel profile A of EN 15302, (n, 2) in mm."""
+    """Reference wheel profile A of EN 15302."""
     return _sampled(
         [
             (-70.0, -62.7647, _arc(-49.5, 9.51926, -20.5)),
@@ -92,7 +92,7 @@ def en15302_wheel_a() -> np.ndarray:
 
 
 def en15302_rail_a() -> np.ndarray:
-    """Reference rail profile A of EN 15302, already laid as the benchmark wants it, (n, 2) in mm."""
+    """Reference rail profile A of EN 15302, already laid as the benchmark wants it."""
     return _sampled(
         [
             (-32.634, -23.2401, _arc(-19.63949, 15.899044, 13.0)),
@@ -105,7 +105,7 @@ def en15302_rail_a() -> np.ndarray:
 
 
 def uic60() -> np.ndarray:
-    """Head of the rail UIC60 (60E1 of EN 13674-1) standing upright, (n, 2) in mm, z = 0 on top.
+    """Head of the rail UIC60 (60E1 of EN 13674-1) standing upright, z = 0 on top.
 
     Tangent arcs R300 to |y| = 10.25, R80 to 26.05, R13 beyond, then the head's side at 1:20 to 25 mm below the top.
     """

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from wheel_rail.adhesion_state import SAND_KEPT, RailTables, spread
 from wheel_rail.compiled import Array, compiled
 
+MOST_SANDERS = 8
 # columns of a sander's row for `lay_sand`
 WHEELSET, OFFSET, FLOW = range(3)
 
@@ -47,7 +48,7 @@ class SandingParameters(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    sanders: tuple[SanderParameters, ...] = ()
+    sanders: tuple[SanderParameters, ...] = Field(default=(), max_length=MOST_SANDERS)
     effect: SandEffect = SandEffect()
 
     @model_validator(mode="after")

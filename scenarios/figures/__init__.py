@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from estimators.interface import EstimateStream
@@ -12,9 +11,11 @@ from scenarios.figures.axle_speeds import draw_axle_speeds
 from scenarios.figures.estimates import draw_estimates
 from scenarios.figures.imu import draw_imu
 from scenarios.figures.line import draw_line
+from scenarios.figures.rail import draw_rail
 from scenarios.figures.slip_adhesion import draw_slip_and_adhesion
-from scenarios.figures.style import figure_style
+from scenarios.figures.style import figure_style, write_png
 from scenarios.metrics import EstimatorErrors
+from scenarios.rail_adhesion import RailAdhesion
 from scenarios.truth import Truth
 from sensors import BaliseReadings, ImuParameters, ImuReadings
 
@@ -29,6 +30,7 @@ def write_figures(
     balises: BaliseReadings,
     estimates: Mapping[str, EstimateStream],
     errors: Mapping[str, EstimatorErrors],
+    rail: RailAdhesion,
 ) -> list[str]:
     """Draw the run into `folder` as PNG files and return their names, in the order in which one looks at them."""
     drawings: dict[str, Callable[[], Figure]] = {
@@ -37,9 +39,10 @@ def write_figures(
         "estimates.png": partial(draw_estimates, truth.motion, balises, estimates, errors),
         "imu.png": partial(draw_imu, truth.motion, imu, mounting),
         "line.png": partial(draw_line, truth, balises),
+        "rail.png": partial(draw_rail, truth, rail),
     }
     folder.mkdir(exist_ok=True)
     for name, draw in drawings.items():
         with figure_style():
-            FigureCanvasAgg(draw()).print_png(folder / name, pil_kwargs={"compress_level": 2})
+            write_png(draw(), folder / name)
     return list(drawings)

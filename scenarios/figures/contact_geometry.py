@@ -1,6 +1,6 @@
 """Where a wheelset touches its track and how it steers, over its lateral displacement."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 
 from scenarios.figures.style import AXLE_COLOURS, REFERENCE_COLOUR, TRUE_COLOUR, legend, new_figure
 from wheel_rail.contact_geometry import ContactGeometry, ContactTable
-from wheel_rail.contact_search import ANGLE
+from wheel_rail.contact_search import ALONG, ANGLE, COLUMNS, RADIUS, TRACK_Y, TRACK_Z
+from wheel_rail.contact_table import NODES, PLACE_ALONG, RAIL_Y, RAIL_Z, ROLLING_RADIUS, SLOPE, Contact
 from wheel_rail.equivalent_conicity import equivalent_conicity
 
 STEP_M = 5e-5
@@ -33,47 +34,74 @@ def draw_contact_geometry(
     """
     count = round(reach_m / STEP_M)
     y_m = STEP_M * np.arange(-count, count + 1)
-    rigid = geometry.table(y_m)
-    soft = geometry.table(y_m, penetration_m=SOFT_M)
+    tables = {"-": geometry.table(y_m), ":": geometry.table(y_m, penetration_m=SOFT_M)}
+    figure = _draw(
+        tables, wheel_radius_m, name, "solid: rigid, dotted: pressed in by 45 µm; flange and gauge side negative"
+    )
+    _mark(figure.axes[0], published_place_mm, "CONTACT, left wheel")
+    _mark(figure.axes[-1], published_conicity, "published")
+    legend(figure.axes[0], place="lower center")
+    legend(figure.axes[-1], place="upper left")
+    return figure
+
+
+def draw_tabulated_geometry(contact: Contact, name: str) -> Figure:
+    """The same of conical wheels, as the co-simulation reads it; beyond the play the flange's stop takes over."""
+    constants = contact.constants
+    y_m = float(constants["first_m"]) + float(constants["step_m"]) * np.arange(NODES)
+    rows = constants["table"].transpose(1, 0, 2)[None]
+    contacts = np.zeros((1, NODES, 2, COLUMNS))
+    for to, column in ((ALONG, PLACE_ALONG), (RADIUS, ROLLING_RADIUS), (TRACK_Y, RAIL_Y), (TRACK_Z, RAIL_Z)):
+        contacts[..., to] = rows[..., column]
+    contacts[..., ANGLE] = np.arctan(rows[..., SLOPE])
+    along_m, radius_m = contacts[..., ALONG], contacts[..., RADIUS]
+    roll_rad = (radius_m[..., 0] - radius_m[..., 1]) / along_m.sum(axis=-1)
+    centre_m = float(along_m[0, NODES // 2, 0])
+    table = ContactTable(
+        y_m, np.zeros(1), roll_rad, radius_m.mean(axis=-1), contacts, centre_m, np.full(2, centre_m), ()
+    )  # fmt: skip
+    figure = _draw({"-": table}, contact.radius_m, name, "places from those of a centred wheelset, inwards negative")
+    legend(figure.axes[0], place="lower center")
+    return figure
+
+
+def _draw(tables: Mapping[str, ContactTable], wheel_radius_m: float, name: str, how: str) -> Figure:
+    """Each table in its own kind of line."""
     figure, panels = new_figure(f"Contact geometry: {name}", 7.4, rows=3, columns=2)
     (wheel, difference), (rail, angle), (roll, conicity) = panels
-    _both_wheels(wheel, 1e3 * rigid.wheel_position_m[0], 1e3 * soft.wheel_position_m[0], y_m)
-    _both_wheels(rail, 1e3 * rigid.rail_position_m[0], 1e3 * soft.rail_position_m[0], y_m)
-    _both_wheels(
-        angle, np.degrees(rigid.contacts[0, :, :, ANGLE]), np.degrees(soft.contacts[0, :, :, ANGLE]), y_m
-    )  # fmt: skip
-    for table, line in ((rigid, "-"), (soft, ":")):
-        y_mm = 1e3 * y_m
+    for line, table in tables.items():
+        y_mm = 1e3 * table.lateral_displacement_m
+        _both_wheels(wheel, y_mm, 1e3 * table.wheel_position_m[0], line)
+        _both_wheels(rail, y_mm, 1e3 * table.rail_position_m[0], line)
+        _both_wheels(angle, y_mm, np.degrees(table.contacts[0, :, :, ANGLE]), line)
         difference.plot(y_mm, 1e3 * table.rolling_radius_difference_m[0], line, color=TRUE_COLOUR)
         roll.plot(y_mm, 1e3 * table.roll_rad[0], line, color=TRUE_COLOUR)
-        conicity.plot(1e3 * AMPLITUDES_M, _conicities(table, wheel_radius_m, reach_m), line, color=TRUE_COLOUR)
-    _mark(wheel, published_place_mm, "CONTACT, left wheel")
-    _mark(conicity, published_conicity, "published")
+        conicity.plot(1e3 * AMPLITUDES_M, _conicities(table, wheel_radius_m), line, color=TRUE_COLOUR)
     wheel.set_ylabel("place on the wheel  mm")
     rail.set_ylabel("place on the rail  mm")
     roll.set_ylabel("roll of the wheelset  mrad")
     difference.set_ylabel("rolling radius left - right  mm")
     angle.set_ylabel("contact angle  deg")
     conicity.set_ylabel("equivalent conicity  -")
-    conicity.set_ylim(bottom=0.0)
-    wheel.set_title("solid: rigid, dotted: pressed in by 45 µm; flange and gauge side negative", fontsize=8)
+    highest = max(float(np.nanmax(line.get_ydata(), initial=0.0)) for line in conicity.get_lines())
+    conicity.set_ylim(0.0, 1.15 * highest + 0.01)
+    wheel.set_title(how, fontsize=8)
     roll.set_xlabel("lateral displacement, to the left  mm")
     conicity.set_xlabel("lateral displacement; for the conicity: amplitude  mm")
-    legend(wheel, place="lower center")
-    legend(conicity, place="upper left")
     return figure
 
 
-def _both_wheels(axes: Axes, rigid: np.ndarray, soft: np.ndarray, y_m: np.ndarray) -> None:
+def _both_wheels(axes: Axes, y_mm: np.ndarray, of_wheels: np.ndarray, line: str) -> None:
     for k, (side, colour) in enumerate(WHEELS):
-        axes.plot(1e3 * y_m, rigid[:, k], color=colour, label=f"{side} wheel")
-        axes.plot(1e3 * y_m, soft[:, k], ":", color=colour)
+        axes.plot(y_mm, of_wheels[:, k], line, color=colour, label=f"{side} wheel" if line == "-" else None)
 
 
-def _conicities(table: ContactTable, wheel_radius_m: float, reach_m: float) -> np.ndarray:
+def _conicities(table: ContactTable, wheel_radius_m: float) -> np.ndarray:
     """Over `AMPLITUDES_M`; nan where no wave of that amplitude fits into the table."""
-    fits = 0.95 * reach_m > AMPLITUDES_M
+    fits = 0.95 * table.lateral_displacement_m[-1] > AMPLITUDES_M
     found = np.full(AMPLITUDES_M.shape, np.nan)
+    if not np.ptp(table.rolling_radius_difference_m) > 0.0:  # cylinders do not steer
+        return found
     found[fits] = equivalent_conicity(
         table.lateral_displacement_m, table.rolling_radius_difference_m[0], AMPLITUDES_M[fits], wheel_radius_m
     )

@@ -8,10 +8,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from estimators.interface import EstimateStream
-from scenarios.figures.style import BAND_COLOUR, ESTIMATOR_COLOURS, TRUE_COLOUR, legend, new_figure, thinned
-from scenarios.metrics import KMH, EstimatorErrors
+from scenarios.figures.style import BAND_COLOUR, ESTIMATOR_COLOURS, TRUE_COLOUR, legend, new_figure, plot
+from scenarios.metrics import EstimatorErrors
 from scenarios.names import display_name
 from scenarios.truth import MotionStream
+from scenarios.units import KMH_PER_MPS
 from sensors.readings import BaliseReadings
 
 
@@ -25,9 +26,8 @@ def draw_estimates(
     figure, (speed, speed_error, distance_error, gradient) = new_figure(
         "Estimates and their errors", 9.6, rows=4, height_ratios=[1.3, 1.0, 1.0, 1.0]
     )
-    shown = thinned(len(motion))
-    speed.plot(motion.t_s[shown], KMH * motion.speed_mps[shown], color=TRUE_COLOUR, label="true", linewidth=1.6)
-    gradient.plot(motion.t_s[shown], motion.gradient_permille[shown], color=TRUE_COLOUR, label="true", linewidth=1.6)
+    plot(speed, motion.t_s, KMH_PER_MPS * motion.speed_mps, color=TRUE_COLOUR, label="true", linewidth=1.6)
+    plot(gradient, motion.t_s, motion.gradient_permille, color=TRUE_COLOUR, label="true", linewidth=1.6)
     for any_errors in list(errors.values())[:1]:  # the band follows the truth and is the same for all
         _band(speed_error, any_errors.t_s, any_errors.speed_limit_kmh)
         _band(distance_error, any_errors.t_s, any_errors.distance_limit_m)
@@ -36,13 +36,13 @@ def draw_estimates(
         label = display_name(name)
         error = errors[name]
         for axes, t_s, values in (
-            (speed, estimate.t_s, KMH * estimate.speed_mps),
+            (speed, estimate.t_s, KMH_PER_MPS * estimate.speed_mps),
             (speed_error, error.t_s, error.speed_kmh),
             (distance_error, error.t_s, error.distance_m),
             (gradient, estimate.t_s, estimate.gradient_permille),
         ):
             if np.isfinite(values).any():
-                axes.plot(t_s, values, color=colour, label=label)
+                plot(axes, t_s, values, color=colour, label=label)
     for axes in (speed_error, distance_error):
         axes.axhline(0.0, color=TRUE_COLOUR, linewidth=0.6)
         for t_s in balises.t_s:
@@ -53,8 +53,8 @@ def draw_estimates(
     gradient.set_ylabel("gradient  per mille")
     gradient.set_xlabel("time  s   (dotted: a balise is read)")
     legend(speed, columns=4, place="lower left")
-    for axes in (speed_error, distance_error, gradient):
-        legend(axes, columns=4)
+    legend(speed_error, columns=4, place="upper right")
+    legend(gradient, columns=4, place="upper right")
     return figure
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from scenarios.figures.style import TRUE_COLOUR, legend, new_figure, robust_limits, thinned
+from scenarios.figures.style import TRUE_COLOUR, legend, new_figure, plot, robust_limits
 from scenarios.truth import MotionStream
 from sensors import ImuParameters, ImuReadings, mounting_rotation
 
@@ -20,7 +20,6 @@ def draw_imu(motion: MotionStream, imu: ImuReadings, mounting: ImuParameters) ->
     turned = ", ".join(f"{angle:g}" for angle in angles)
     title = f"IMU readings and truth in the IMU's axes (mounted at roll, pitch, yaw {turned} deg)"
     figure, panels = new_figure(title, 8.6, rows=3, columns=2)
-    true_rows, read_rows = thinned(len(motion)), thinned(len(imu))
     for column, (heading, read, true, unit) in enumerate(
         (
             ("specific force", imu.specific_force_mps2, motion.specific_force_mps2 @ to_sensor, "m/s²"),
@@ -29,8 +28,8 @@ def draw_imu(motion: MotionStream, imu: ImuReadings, mounting: ImuParameters) ->
     ):
         for i, name in enumerate("xyz"):
             axes = panels[i, column]
-            axes.plot(imu.t_s[read_rows], read[read_rows, i], color=READING_COLOUR, linewidth=0.6, label="reading")
-            axes.plot(motion.t_s[true_rows], true[true_rows, i], color=TRUE_COLOUR, linewidth=0.8, label="truth")
+            plot(axes, imu.t_s, read[:, i], color=READING_COLOUR, linewidth=0.6, label="reading")
+            plot(axes, motion.t_s, true[:, i], color=TRUE_COLOUR, linewidth=0.8, label="truth")
             axes.set_ylim(robust_limits(np.concatenate([read[:, i], true[:, i]])))
             axes.set_ylabel(f"{name}   {unit}")
         panels[0, column].set_title(heading)

@@ -1,44 +1,56 @@
 """The line as the coach met it: speed, adhesion, gradient, curvature and cant over position."""
 
+from collections.abc import Iterable
+
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from scenarios.figures.style import AXLE_COLOURS, TRUE_COLOUR, legend, new_figure, thinned
-from scenarios.metrics import KMH, stop_span
+from scenarios.figures.style import AXLE_COLOURS, TRUE_COLOUR, legend, new_figure, plot
+from scenarios.metrics import stop_span
 from scenarios.truth import Truth
+from scenarios.units import KMH_PER_MPS
 from sensors.readings import BaliseReadings
+
+MARK_COLOUR = "#d62728"
 
 
 def draw_line(truth: Truth, balises: BaliseReadings) -> Figure:
     """Marked: where the brake was demanded, where the coach stopped, where balises were read."""
     motion, wheelsets = truth.motion, truth.wheelsets
-    figure, (speed, adhesion, gradient, curve) = new_figure("The line and the run over it", 7.6, rows=4, right_in=0.7)
-    shown = thinned(len(motion))
-    position_m = motion.position_m[shown]
-    speed.plot(position_m, KMH * motion.speed_mps[shown], color=TRUE_COLOUR)
+    figure, panels = new_figure("The line and the run over it", 8.2, rows=5, height_ratios=[1.4, 1.4, 1.0, 1.0, 1.0])
+    speed, adhesion, gradient, curvature, cant = panels
+    position_m = motion.position_m
+    plot(speed, position_m, KMH_PER_MPS * motion.speed_mps, color=TRUE_COLOUR)
+    plot(adhesion, wheelsets.position_m[:, 0], wheelsets.peak_adhesion[:, 0], color=AXLE_COLOURS[0])
+    plot(gradient, position_m, motion.gradient_permille, color=TRUE_COLOUR)
+    plot(curvature, position_m, 1000.0 * motion.curvature_radpm, color=TRUE_COLOUR)
+    plot(cant, position_m, motion.cant_mm, color=TRUE_COLOUR)
     speed.set_ylabel("speed  km/h")
-    adhesion.plot(wheelsets.position_m[shown, 0], wheelsets.peak_adhesion[shown, 0], color=AXLE_COLOURS[0])
     adhesion.set_ylabel("peak adhesion, axle 1  -")
     adhesion.set_ylim(bottom=0.0)
-    gradient.plot(position_m, motion.gradient_permille[shown], color=TRUE_COLOUR)
     gradient.set_ylabel("gradient  per mille")
-    curve.plot(
-        position_m, 1000.0 * motion.curvature_radpm[shown], color=TRUE_COLOUR, label="curvature, positive to the left"
-    )
-    curve.set_ylabel("curvature  1/km")
-    cant = curve.twinx()
-    cant.plot(position_m, motion.cant_mm[shown], color=AXLE_COLOURS[2], linestyle="--", label="cant, right axis")
+    curvature.set_ylabel("curvature  1/km")
     cant.set_ylabel("cant  mm")
-    cant.grid(visible=False)
-    cant.spines["right"].set_visible(True)
-    lines = [*curve.get_lines(), *cant.get_lines()]
-    curve.legend(handles=lines, loc="upper right")
-    curve.set_xlabel("position  m")
-    span = stop_span(truth)
-    for axes in (speed, adhesion, gradient, curve):
-        if span is not None:
-            axes.axvline(motion.position_m[span[0]], color="#d62728", linewidth=0.9, label="brake demanded")
-            axes.axvline(motion.position_m[span[1]], color="#d62728", linewidth=0.9, linestyle="--", label="stopped")
+    for axes, signs in ((gradient, "uphill"), (curvature, "to the left"), (cant, "right rail raised")):
+        axes.text(0.995, 0.9, f"positive: {signs}", transform=axes.transAxes, ha="right", va="top", fontsize=8)
+    cant.set_xlabel("position  m")
+    mark_stop(panels, truth)
+    for axes in panels:
         for k, told_m in enumerate(balises.position_m):
             axes.axvline(told_m, color="grey", linestyle=":", linewidth=0.9, label="balise" if k == 0 else None)
     legend(speed, place="lower left")
     return figure
+
+
+def mark_stop(panels: Iterable[Axes], truth: Truth) -> None:
+    """Vertical lines where the carbody's centre was when the brake was demanded, and where it stopped.
+
+    The first panel has their names.
+    """
+    span = stop_span(truth)
+    if span is not None:
+        for k, axes in enumerate(panels):
+            for row, line, name in ((span[0], "-", "brake demanded"), (span[1], "--", "stopped")):
+                place_m = truth.motion.position_m[row]
+                label = name if k == 0 else None
+                axes.axvline(place_m, color=MARK_COLOUR, linewidth=0.9, linestyle=line, label=label)

@@ -4,6 +4,7 @@ from functools import cache, partial
 
 import numpy as np
 
+from scenarios.units import KMH_PER_MPS
 from scenarios.verification.case import Case
 from wheel_rail import Adhesion, AdhesionParameters, Contact, ContactParameters
 from wheel_rail.adhesion_condition import rail_condition
@@ -15,13 +16,12 @@ from wheel_rail.recovery import CONDITION, adhesive_force, offered_adhesion
 ALLOTTA = "Allotta et al. 2014"
 LOAD_N, SHEAR_PA = 68.7e3, 82e9
 LENGTH_M = 50.0
-ALLOTTA_SPEED_MPS = 120.0 / 3.6
-# speed and relative tolerance: below 18 km/h the correction for the creep law is linear over a wide step
-CURTIUS_KNIFFLER_KMH = ((5.0, 0.03), (50.0, 0.005), (100.0, 0.005), (200.0, 0.005))
+ALLOTTA_SPEED_MPS = 120.0 / KMH_PER_MPS
+CURTIUS_KNIFFLER_KMH = (5.0, 15.0, 50.0, 100.0, 200.0)
 
 
 @cache
-def _contact() -> Contact:
+def conical_contact() -> Contact:
     """Wheels of 920 mm on a rail head of 300 mm, under the load of a wheel of the coach."""
     parameters = ContactParameters(
         geometry="conical",
@@ -41,7 +41,7 @@ def _rail(key: str, value: str) -> RailTables:
     """A rail of one stretch, on which no train has been."""
     stretch = {"from_m": 0.0, key: value} | ({"surface": "dry"} if key == "speed_law" else {})
     parameters = AdhesionParameters.model_validate({"stretches": [stretch]})
-    return Adhesion(parameters, LENGTH_M, _contact(), np.random.default_rng(1)).tables(RailState(LENGTH_M))
+    return Adhesion(parameters, LENGTH_M, conical_contact(), np.random.default_rng(1)).tables(RailState(LENGTH_M))
 
 
 def _condition(rail: RailTables, speed_mps: float) -> np.ndarray:
@@ -55,7 +55,7 @@ def _offered(rail: RailTables, speed_mps: float) -> float:
     law = CREEP_LAWS["polach"].in_force()
     condition = _condition(rail, speed_mps)
     peak, _ = offered_adhesion(
-        law.number, law.address, law.extra, speed_mps, LOAD_N, _contact().patch, condition, SHEAR_PA, False
+        law.number, law.address, law.extra, speed_mps, LOAD_N, conical_contact().patch, condition, SHEAR_PA, False
     )
     return float(peak)
 
@@ -65,8 +65,9 @@ def _locked() -> float:
     law = CREEP_LAWS["polach"].in_force()
     speed = ALLOTTA_SPEED_MPS
     condition = _condition(_rail("recovery", "allotta-2014"), speed)
+    patch = conical_contact().patch
     fx, _, _, _ = adhesive_force(
-        law.number, law.address, law.extra, 1.0, 0.0, 0.0, speed, speed, LOAD_N, _contact().patch, condition, SHEAR_PA
+        law.number, law.address, law.extra, 1.0, 0.0, 0.0, speed, speed, LOAD_N, patch, condition, SHEAR_PA
     )
     return -float(fx) / LOAD_N
 
@@ -91,14 +92,14 @@ def _curtius_kniffler_cases() -> list[Case]:
             f"curtius-kniffler-{speed_kmh:.0f}", "Adhesion over speed",
             f"peak adhesion of a rail with this speed law at {speed_kmh:.0f} km/h: 0.161 + 7.5/(v + 44)",
             "Curtius and Kniffler 1950", 0.161 + 7.5 / (speed_kmh + 44.0), "-",
-            partial(_offered_over_speed, speed_kmh), tolerance, relative=True,
+            partial(_offered_over_speed, speed_kmh), 0.0005, relative=True,
         )
-        for speed_kmh, tolerance in CURTIUS_KNIFFLER_KMH
+        for speed_kmh in CURTIUS_KNIFFLER_KMH
     ]  # fmt: skip
 
 
 def _offered_over_speed(speed_kmh: float) -> float:
-    return _offered(_rail("speed_law", "curtius-kniffler"), speed_kmh / 3.6)
+    return _offered(_rail("speed_law", "curtius-kniffler"), speed_kmh / KMH_PER_MPS)
 
 
 CASES = (*_recovery_cases(), *_curtius_kniffler_cases())

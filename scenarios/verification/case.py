@@ -11,8 +11,7 @@ class Case:
 
     `expected`: the figure, in `unit`, or lower and upper bounds that must hold as they are. `tolerance`: of the error,
     in `unit`, or a share of the figure if `relative`; `obtain` computes the figure anew. `known_deviation`: why a row
-    that misses its tolerance stands all the same, None for all others. `slow`: too long for the test suite, computed
-    by the command alone.
+    that misses its tolerance stands all the same, None for all others.
     """
 
     id: str
@@ -25,7 +24,6 @@ class Case:
     tolerance: float = 0.0
     relative: bool = False
     known_deviation: str | None = None
-    slow: bool = False
 
     def error(self, obtained: float) -> float:
         """Obtained less expected, as a share of the expected if `relative`; how far beyond its bound otherwise."""
@@ -41,10 +39,11 @@ class Case:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A case and the figure that was obtained for it."""
+    """A case and the figure that was obtained for it; `failure`: why there is none (the figure is nan then)."""
 
     case: Case
     obtained: float
+    failure: str | None = None
 
     @property
     def error(self) -> float:

@@ -9,6 +9,7 @@ from scenarios.verification import all_cases
 from scenarios.verification.case import Case
 from scenarios.verification.report import (
     deviations,
+    failures,
     missed,
     terminal_tables,
     verdict,
@@ -46,5 +47,7 @@ def verify_and_report(console: Console, progress: Console, json_file: Path | Non
         console.print(table)
     for line in deviations(outcomes):
         console.print(f"known deviation: {line}", highlight=False, markup=False)
+    for line in failures(outcomes):
+        console.print(f"failed: {line}", highlight=False, markup=False)
     console.print(verdict(outcomes), highlight=False)
     return not missed(outcomes)

@@ -1,14 +1,17 @@
 """Contact mechanics: Kalker's coefficients, Hertz' ellipse, Polach's creep law."""
 
+from dataclasses import astuple
 from functools import cache, partial
 
 import numpy as np
 from scipy.optimize import brentq
 
 from scenarios.verification.case import Case
+from wheel_rail.creep_laws import CREEP_LAWS
 from wheel_rail.hertz import EllipticContact, elliptic_contact
 from wheel_rail.kalker import creep_coefficients
-from wheel_rail.polach import SURFACES, peak_adhesion, polach_force
+from wheel_rail.polach import SURFACES, polach_force
+from wheel_rail.recovery import CONDITION, DEGRADED, RECOVERED, offered_adhesion
 
 KALKER = "Kalker 1990, table E.3"
 TRACTCURV = "CONTACT, case tractcurv"
@@ -62,12 +65,6 @@ def tractcurv_patch() -> np.ndarray:
     return np.array([*SEMI_AXES_M, *creep_coefficients(A_OVER_B, POISSON), 1.0 + 6.3 * (1.0 - np.exp(-A_OVER_B))])
 
 
-def surface_law(surface: str) -> np.ndarray:
-    """Friction curve (mu0, A, B, kA, kS) of one of Polach's surfaces, as creep laws want it."""
-    s = SURFACES[surface]
-    return np.array([s.mu0, s.falling_a, s.falling_b_spm, s.k_adhesion, s.k_slip])
-
-
 def _worst_of_table(coefficient: int, poisson_number: int) -> float:
     """Largest relative difference from the table's column, of either sign."""
     column = 1 + 3 * coefficient + poisson_number
@@ -104,7 +101,14 @@ def _polach_over_contact() -> np.ndarray:
 
 
 def _peak(surface: str, speed_mps: float, which: int) -> float:
-    return peak_adhesion(speed_mps, LOAD_N, tractcurv_patch(), surface_law(surface), SHEAR_PA)[which]
+    """Peak adhesion of one of Polach's surfaces, or the creep where it lies."""
+    law = CREEP_LAWS["polach"].in_force()
+    condition = np.zeros(CONDITION)
+    condition[DEGRADED:RECOVERED] = astuple(SURFACES[surface])
+    found = offered_adhesion(
+        law.number, law.address, law.extra, speed_mps, LOAD_N, tractcurv_patch(), condition, SHEAR_PA, False
+    )
+    return float(found[which])
 
 
 def _kalker_cases() -> list[Case]:

@@ -23,11 +23,18 @@ _STYLES = {"pass": "green", "known deviation": "yellow", "MISS": "bold red"}
 
 
 def verify(cases: Sequence[Case], on_case: Callable[[int, Case], None]) -> list[Outcome]:
-    """Obtain the figure of every case; `on_case(k, case)` is told before each."""
+    """Obtain the figure of every case; `on_case(k, case)` is told before each.
+
+    A case that raises is a row that misses: one broken part of the program must not hide the state of the others.
+    """
     outcomes = []
     for k, case in enumerate(cases):
         on_case(k, case)
-        outcomes.append(Outcome(case, case.obtain()))
+        try:
+            outcome = Outcome(case, case.obtain())
+        except Exception as error:
+            outcome = Outcome(case, math.nan, f"{type(error).__name__}: {error}")
+        outcomes.append(outcome)
     return outcomes
 
 
@@ -74,6 +81,11 @@ def deviations(outcomes: Sequence[Outcome]) -> list[str]:
     ]
 
 
+def failures(outcomes: Sequence[Outcome]) -> list[str]:
+    """A line on every case that raised instead of giving a figure."""
+    return [f"{row.case.group}, {row.case.quantity}: {row.failure}" for row in outcomes if row.failure is not None]
+
+
 def write_json(path: Path, outcomes: Sequence[Outcome]) -> None:
     """JSON: id -> all that the table shows; null where a figure is not finite. Raises BadInput if it cannot be."""
     content = {row.case.id: _record(row) for row in outcomes}
@@ -104,6 +116,9 @@ def write_page(folder: Path, outcomes: Sequence[Outcome], pictures: Sequence[tup
     known = deviations(outcomes)
     if known:
         lines += ["", "## Known deviations", "", *(f"- {line}." for line in known)]
+    failed = failures(outcomes)
+    if failed:
+        lines += ["", "## Failures", "", *(f"- {line}" for line in failed)]
     lines += ["", "## Pictures"] if pictures else []
     for name, caption in pictures:
         lines += ["", caption, "", f"![{caption}]({name})"]
@@ -143,6 +158,7 @@ def _record(row: Outcome) -> dict[str, Any]:
         "relative": case.relative,
         "result": row.result,
         "known_deviation": case.known_deviation,
+        "failure": row.failure,
     }
 
 

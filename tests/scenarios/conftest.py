@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from scenarios.truth import BrakeStream, MotionStream, SolveRecord, Truth, WheelsetStream
+from scenarios.truth import BrakeStream, MotionStream, SolveRecord, Truth, WheelsetStream, rail_stream
 from sensors.readings import AxleSpeedReadings, TachometerReadings
 from sensors.streams import Stream, quantities
+from wheel_rail import RailState
 
 PERIOD_S = 0.005
 LOAD_N = 68_670.0
@@ -91,7 +92,20 @@ def braking_truth(
     solve = SolveRecord(
         simulated_s=float(t_s[-1]), wall_s=0.2, realtime_factor=250.0, step_s=0.005, exudyn_build="", ended="standstill"
     )
-    return Truth(motion, wheelsets, brake, tachometer, axle_speeds, solve)
+    before = RailState(float(position[-1]) + 20.0)
+    after = RailState(before.length_m)
+    braked_cells = slice(round(10.0 * (initial_speed_mps * brake_at_s - 10.0)), None)
+    after.energy_jpm[:, braked_cells] = np.array([[900.0], [1000.0]])  # left and right
+    return Truth(
+        motion=motion,
+        wheelsets=wheelsets,
+        brake=brake,
+        rail_before=rail_stream(before.table),
+        rail=rail_stream(after.table),
+        tachometer=tachometer,
+        axle_speeds=axle_speeds,
+        solve=solve,
+    )
 
 
 @pytest.fixture

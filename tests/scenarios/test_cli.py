@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from scenarios.catalogue import catalogue_table
 from scenarios.cli import app
+from scenarios.names import TABLES
 
 BUILT_IN = "low-adhesion-stop"
 
@@ -44,6 +46,18 @@ def test_list_names_everything_that_a_file_may_use() -> None:
     assert code == 0
     for name in (BUILT_IN, "rule-table", "none", "scmt", "orientation", "ins-odo", "malvezzi-2014", "bmi055"):
         assert name in output
+    for name in ("polach", "modified-fastsim", "s1002", "uic60", "en15302-a", "low-recovering", "allotta-2014"):
+        assert name in output
+
+
+def test_list_says_of_every_entry_what_it_is() -> None:
+    rows = zip(*(column.cells for column in catalogue_table().columns), strict=True)
+    known = {(kind, name) for kind, read_table in TABLES.items() for name in read_table()}
+    for kind, name, what in rows:
+        known.remove((kind, name))
+        assert len(str(what).split()) >= 3, f"{kind} {name}: {what}"
+        assert not str(what).endswith((",", " with", " the", " of", " between")), what
+    assert known == set()
 
 
 def test_check_takes_a_good_file_without_running_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

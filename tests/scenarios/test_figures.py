@@ -17,6 +17,7 @@ from scenarios.figures.imu import draw_imu
 from scenarios.figures.line import draw_line
 from scenarios.figures.slip_adhesion import draw_slip_and_adhesion
 from scenarios.metrics import estimator_errors
+from scenarios.rail_adhesion import RailAdhesion
 from scenarios.scenario_file import load_scenario
 from scenarios.truth import Truth
 from sensors import BaliseReadings, ImuParameters, ImuReadings
@@ -115,6 +116,8 @@ def test_runs_without_stop_reference_or_estimators_can_be_drawn(
     rows = slice(0, 1500)
     brake = changed(whole.brake.rows(rows), reference_speed_mps=np.full(1500, np.nan), demand=np.zeros(1500))
     truth = changed(whole, motion=whole.motion.rows(rows), wheelsets=whole.wheelsets.rows(rows), brake=brake)
-    names = write_figures(tmp_path, truth, readings(truth), mounting, BaliseReadings(t_s=[], position_m=[]), {}, {})
+    rail = RailAdhesion(np.linspace(0.0, 300.0, 50), np.full((2, 50), 0.3), np.full((2, 50), 0.3), recovers=False)
+    nowhere = BaliseReadings(t_s=[], position_m=[])
+    names = write_figures(tmp_path, truth, readings(truth), mounting, nowhere, {}, {}, rail)
     for name in names:
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")

@@ -36,7 +36,7 @@ demand = 1.0
 first_m = 1410.0
 """
 
-TRUE_TABLES = ("truth.parquet", "wheelsets.parquet", "brake.parquet", "readings/tachometers.parquet")
+TRUE_TABLES = ("truth.parquet", "wheelsets.parquet", "brake.parquet", "rail.parquet", "readings/tachometers.parquet")
 SENSED_TABLES = ("readings/imu.parquet", "readings/balises.parquet", "estimates/ins-odo.parquet")
 
 
@@ -75,9 +75,9 @@ def test_the_run_folder_has_all_its_parts(done: RunResult) -> None:
         "estimates/scmt.parquet",
         "estimates/orientation.parquet",
         "estimates/ins-odo.parquet",
-        *(f"figures/{name}.png" for name in ("axle-speeds", "slip-and-adhesion", "estimates", "imu", "line")),
+        *(f"figures/{name}.png" for name in ("axle-speeds", "slip-and-adhesion", "estimates", "imu", "line", "rail")),
     }
-    assert [figure.is_file() for figure in done.figures] == [True] * 5
+    assert [figure.is_file() for figure in done.figures] == [True] * 6
 
 
 def test_every_column_has_its_unit_and_meaning(done: RunResult) -> None:
@@ -100,10 +100,15 @@ def test_metrics_file_says_what_the_result_says_and_is_plain_json(done: RunResul
 
 
 def test_the_stop_is_one_that_physics_allows(done: RunResult) -> None:
-    """From 30 km/h with all of a peak adhesion of 0.08 a stop is not shorter than v^2/(2 mu g)."""
+    """From 30 km/h with all of a peak adhesion of 0.08 a stop is not shorter than v^2/(2 mu g).
+
+    The shortest stop is that on the rail as found; wheels that clean it may stop a little shorter.
+    """
     stop = done.metrics["stop"]
     least_m = (30.0 / 3.6) ** 2 / (2.0 * 0.09 * 9.81)
-    assert least_m < stop["shortest_distance_m"] <= stop["distance_m"] * 1.01
+    assert least_m < stop["shortest_distance_m"]
+    assert least_m < stop["distance_m"]
+    assert stop["distance_m"] > 0.95 * stop["shortest_distance_m"]
     assert 0.3 < stop["adhesion_utilisation"] <= 1.01
     assert stop["air_nl"] > 0.0
 

@@ -19,7 +19,7 @@ CASES = all_cases()
 PAGE = Path(__file__).parents[2] / "docs" / "VALIDATION.md"
 
 
-@pytest.mark.parametrize("case", [case for case in CASES if not case.slow], ids=lambda case: case.id)
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
 def test_figure(case: Case) -> None:
     """Within its tolerance, or known to deviate: such a mark must go when the figure is reached."""
     outcome = Outcome(case, case.obtain())
@@ -121,6 +121,22 @@ def test_only_a_row_that_misses_fails_the_command(monkeypatch: pytest.MonkeyPatc
     code, output = run(monkeypatch, (good, known, bad))
     assert code == 1
     assert "MISS" in output
+
+
+def test_a_case_that_raises_is_a_row_that_misses(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def broken() -> float:
+        raise ZeroDivisionError("no [wheels] left")
+
+    file = tmp_path / "table.json"
+    rows = (Case("broken", "group", "a quantity", "source", 1.0, "mm", broken), case(1.0, 1.0))
+    code, output = run(monkeypatch, rows, "--json", str(file), "--write-docs", str(tmp_path))
+    assert code == 1
+    assert "failed: group, a quantity: ZeroDivisionError: no [wheels] left" in " ".join(output.split())
+    assert "2 figures: 1 within their tolerance, 0 known deviations, 1 missed" in output
+    first, second = json.loads(file.read_text()).values()
+    assert (first["result"], first["failure"]) == ("MISS", "ZeroDivisionError: no [wheels] left")
+    assert (second["result"], second["failure"]) == ("pass", None)
+    assert "no [wheels] left" in (tmp_path / "VALIDATION.md").read_text(encoding="utf-8")
 
 
 def test_json_holds_every_row_and_no_word_that_is_not_json(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

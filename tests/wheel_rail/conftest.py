@@ -1,4 +1,4 @@
-"""The contact of CONTACT's case "tractcurv", which several published figures belong to."""
+"""A contact of usual size and load, twice as wide as long."""
 
 import numpy as np
 import pytest

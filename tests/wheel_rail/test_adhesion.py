@@ -1,5 +1,6 @@
 """Adhesion along the rail: peaks, places, patches, random fields, seeds, speed law, bad input."""
 
+import dataclasses
 import json
 from typing import Any
 
@@ -38,13 +39,16 @@ def test_the_random_fields_peaks_are_those_of_the_law() -> None:
 
 def test_the_creep_law_in_force_decides_on_mu0() -> None:
     law = CREEP_LAWS["fastsim"].in_force()
-    rail = Adhesion(parameters(LOW), 100.0, CONTACT, np.random.default_rng(1), law=law)
+    contact = dataclasses.replace(CONTACT, law=law)
+    rail = Adhesion(parameters(LOW), 100.0, contact, np.random.default_rng(1))
     found = condition_at(rail.tables(RailState(100.0)), 50.0)
-    patch = CONTACT.at_load(REFERENCE_LOAD_N).patch
+    patch = contact.at_load(REFERENCE_LOAD_N).patch
     got, _ = offered_adhesion(
         law.number, law.address, law.extra, REFERENCE_SPEED_MPS, LOAD_N, patch, found, 82e9, False
     )
     assert got == pytest.approx(0.07, rel=1e-6)
+    # and it is another mu0 than Polach's formula needs for the same peak
+    assert abs(found[MU0] / condition_at(fresh(parameters(LOW), 100.0), 50.0)[MU0] - 1.0) > 0.01
 
 
 @pytest.mark.parametrize("surface", SURFACES)

@@ -7,17 +7,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.wheel_rail.test_adhesion import CONTACT
+from tests.wheel_rail.rail_kinds import CONTACT
 from tests.wheel_rail.test_track import TRACK, frame_at
 from wheel_rail.contact import LONGITUDINAL, NORMAL, REPORT, SLIDE_POWER, wheel_contact
 from wheel_rail.contact_table import STIFFNESS
+from wheel_rail.recovery import CONDITION, DEGRADED, ENERGY, FALLING_A, MU0, RECOVERED, TAU
 
-DRY = np.array([0.55, 0.4, 0.6, 1.0, 0.4])
+DRY = np.zeros(CONDITION)
+DRY[DEGRADED:RECOVERED] = 0.55, 0.4, 0.6, 1.0, 0.4
+CONSTANTS = CONTACT.constants
 
 
 def contact(
     side: int, *, s_m: float = 100.0, lateral_m: float = 0.0, sink_m: float = 7e-4, yaw: float = 0.0, roll: float = 0.0,
-    speed: float = 20.0, spin: float = 20.0 / 0.46, law: np.ndarray = DRY,
+    speed: float = 20.0, spin: float = 20.0 / 0.46, condition: np.ndarray = DRY,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
     """Normal and creep force (7,), the wheel's report, and the wheelset's generalised velocity."""
     frame = frame_at(TRACK, s_m)
@@ -27,7 +30,7 @@ def contact(
     position = frame[:3] + lateral_m * n + (0.46 - sink_m) * b
     normal, creep, report = np.zeros(7), np.zeros(7), np.zeros(REPORT)
     wheel_contact(
-        side, position, axle, speed * t, np.zeros(3), spin, frame, CONTACT.constants, law, normal, creep, report
+        side, position, axle, speed * t, np.zeros(3), spin, frame, CONSTANTS, condition, normal, creep, report
     )
     return normal, creep, report, np.concatenate([speed * t, np.zeros(3), [spin]])
 
@@ -36,7 +39,7 @@ def test_centred_wheels_carry_the_spring_force_inwards_by_the_cone() -> None:
     left, _, report, _ = contact(1)
     right, _, _, _ = contact(-1)
     cosine = 1.0 / math.sqrt(1.0 + 0.05**2)
-    stiffness = CONTACT.constants["table"][0, 0, STIFFNESS]
+    stiffness = CONSTANTS["table"][0, 0, STIFFNESS]
     assert 0.9e8 < stiffness < 1e8  # Hertz in series with a track of 1e8 N/m
     assert report[NORMAL] == pytest.approx(stiffness * 7e-4 * cosine, rel=1e-9)
     assert left[2] == pytest.approx(report[NORMAL] * cosine, rel=1e-9)
@@ -86,18 +89,24 @@ def test_a_constant_displacement_runs_through_a_curve_without_normal_power() -> 
 @given(
     st.sampled_from([1, -1]), st.floats(0.0, 2400.0), st.floats(-0.006, 0.006), st.floats(1e-5, 2e-3),
     st.floats(-0.01, 0.01), st.floats(0.0, 60.0), st.floats(-140.0, 140.0),
+    st.sampled_from([0.0, 1.9e-4, 5e-4]), st.floats(0.0, 1e6),
 )  # fmt: skip
 def test_force_within_friction_and_never_driving(
-    side: int, s_m: float, lateral_m: float, sink_m: float, yaw: float, speed: float, spin: float
-) -> None:
-    law = DRY.copy()
-    law[1] = 1.0  # friction that does not fall: the limit is mu0 N
+    side: int, s_m: float, lateral_m: float, sink_m: float, yaw: float, speed: float, spin: float,
+    tau_mpj: float, energy_jpm: float,
+) -> None:  # fmt: skip
+    """On rail that recovers (or does not), whatever was left on it: between nothing and the better curve's mu0 N."""
+    condition = DRY.copy()
+    condition[RECOVERED:TAU] = DRY[DEGRADED:RECOVERED]
+    condition[DEGRADED + MU0] *= 0.2 if tau_mpj > 0.0 else 1.0
+    condition[[DEGRADED + FALLING_A, RECOVERED + FALLING_A]] = 1.0  # friction that does not fall: the limit is mu0 N
+    condition[TAU], condition[ENERGY] = tau_mpj, energy_jpm
     normal, creep, report, velocity = contact(
-        side, s_m=s_m, lateral_m=lateral_m, sink_m=sink_m, yaw=yaw, speed=speed, spin=spin, law=law
+        side, s_m=s_m, lateral_m=lateral_m, sink_m=sink_m, yaw=yaw, speed=speed, spin=spin, condition=condition
     )
     if report[NORMAL] == 0.0:
         return
-    assert np.linalg.norm(creep[:3]) <= law[0] * report[NORMAL] * (1.0 + 1e-9)
+    assert np.linalg.norm(creep[:3]) <= condition[RECOVERED + MU0] * report[NORMAL] * (1.0 + 1e-9)
     # what the creep force takes from the wheelset is what the contact dissipates
     assert creep @ velocity == pytest.approx(-report[SLIDE_POWER], rel=1e-6, abs=1.0)
     # the normal force does not turn the wheel

@@ -13,13 +13,11 @@ from wheel_rail.contact_search import (
     AHEAD,
     ALONG,
     ANGLE,
-    COLUMNS,
     CONICITY,
     RADIUS,
     TRACK_Y,
     TRACK_Z,
     TURN,
-    read_contact,
 )
 
 GRID = np.arange(-240, 241) * 5e-5
@@ -165,19 +163,6 @@ def test_less_penetration_comes_to_the_rigid_contact(pair: ContactGeometry) -> N
     ]
     assert errors[0] > errors[1] > errors[2]
     assert errors[2] < 5e-5
-
-
-def test_interpolation_meets_the_rows_and_holds_beyond(soft: ContactTable) -> None:
-    row = np.empty(COLUMNS)
-    contacts = soft.contacts[0]
-    for k in (0, 17, 240, 480):
-        read_contact(GRID[k], GRID[0], 5e-5, 1, contacts, row)
-        assert row == pytest.approx(contacts[k, 1], abs=1e-9)
-    read_contact(0.5 * (GRID[10] + GRID[11]), GRID[0], 5e-5, 0, contacts, row)
-    assert row == pytest.approx(0.5 * (contacts[10, 0] + contacts[11, 0]), rel=1e-9)
-    for far, k in ((-1.0, 0), (1.0, 480)):
-        read_contact(far, GRID[0], 5e-5, 0, contacts, row)
-        assert row == pytest.approx(contacts[k, 0], rel=1e-12)
 
 
 def test_unequal_wheels_run_off_centre() -> None:

@@ -12,8 +12,7 @@ from tests.wheel_rail import user_laws
 from tests.wheel_rail.conftest import LOAD_N, SHEAR_PA, law
 from wheel_rail.creep_laws import CREEP_LAWS, EXTRA, CreepLaw, LawInForce, creep_force, user_creep_law
 from wheel_rail.kalker import creep_coefficients
-from wheel_rail.peak_adhesion import mu0_for_peak_of_law, peak_of_law
-from wheel_rail.polach import SURFACES, peak_adhesion, polach_force
+from wheel_rail.polach import SURFACES, polach_force
 from wheel_rail.slip import friction, total_creep
 
 LAWS: dict[str, CreepLaw] = {**CREEP_LAWS, "user": user_creep_law(user_laws.circular, "circular")}
@@ -177,26 +176,6 @@ def test_polach_through_the_dispatcher_is_polach() -> None:
     for x in (0.0, 1e-4, -0.02):
         arguments = (x, 0.003, 0.2, 0.4, 6e4, patch, law("wet"), SHEAR_PA)
         assert creep_force(1, 0, np.zeros(EXTRA), *arguments) == polach_force(*arguments)
-
-
-@EVERY
-def test_peak_of_any_law(name: str) -> None:
-    """The search finds the largest of a scan, and mu0 is found back from it."""
-    patch, chosen = np.array(ellipse(6e-3, 0.9)), IN_FORCE[name]
-    rail = law("low")
-    peak, where = peak_of_law(chosen.number, chosen.address, chosen.extra, 28.0, 7e4, patch, rail, SHEAR_PA)
-    scan = [
-        math.hypot(*force(name, c, 0.0, 0.0, 28.0 * c, 7e4, patch, rail)[:2]) / 7e4
-        for c in np.geomspace(1e-4, 0.3, 3000)
-    ]
-    assert peak == pytest.approx(max(scan), rel=2e-4)
-    assert 1e-4 <= where <= 0.3
-    mu0 = mu0_for_peak_of_law(chosen, np.array([peak]), SURFACES["low"], 28.0, 7e4, patch, SHEAR_PA)[0]
-    assert mu0 == pytest.approx(rail[0], rel=2e-3)
-    if name == "polach":
-        assert (peak, where) == peak_adhesion(28.0, 7e4, patch, rail, SHEAR_PA)
-    with pytest.raises(ValueError, match="with this creep law"):
-        mu0_for_peak_of_law(chosen, np.array([1e-6]), SURFACES["low"], 28.0, 7e4, patch, SHEAR_PA)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,96 @@
+"""What a solve is made of, each part measured alone: the wheels' contacts, all forces, and Exudyn without any."""
+
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from scenarios.cosimulation import Line
+from scenarios.schema import Scenario
+from vehicle.coach import SolverFailure, assemble, load_exudyn, solver_settings
+from vehicle.forces import coach_force, wheelset_contact
+from vehicle.jacobian import coach_jacobian
+from vehicle.layout import COORDINATES, SPIN
+from vehicle.start import start_state
+from wheel_rail.adhesion_state import RailTables
+from wheel_rail.compiled import Array, Record, compiled
+from wheel_rail.creep_laws import CREEP_LAWS
+
+SPEED_MPS, SLIP = 30.0, 0.01
+_FORCE_CALLS = 5_000
+_CONTACT_CALLS = {"polach": 20_000, "fastsim": 1_000}
+_SOLVER_STEPS = 5_000
+
+
+class BenchCoach:
+    """A coach that slides a little at one place of a scenario's line, under a creep law, ready for compiled loops."""
+
+    def __init__(self, scenario: Scenario, line: Line, position_m: float, law: str = "polach") -> None:
+        contact = replace(line.contact, law=CREEP_LAWS[law].in_force())
+        self._line = line
+        self._calls = _CONTACT_CALLS[law]
+        self.record, self.q, self.v = start_state(scenario.coach, contact, line.track, line.rail, position_m, SPEED_MPS)
+        self.v[SPIN:] *= 1.0 - SLIP
+        self.force_s(1)  # rail condition, frames and rotations are those of the place from here on
+        _contacts(1, self.q, self.v, self.record)
+
+    def force_s(self, calls: int = _FORCE_CALLS) -> float:
+        """Time of one evaluation of all forces."""
+        line = self._line
+        f = np.empty(COORDINATES)
+        start = time.perf_counter()
+        _forces(calls, self.q, self.v, f, self.record, line.track.table, line.rail)
+        return (time.perf_counter() - start) / calls
+
+    def contacts_s(self) -> float:
+        """Time of the contacts of all eight wheels, read from the table, with the creep forces."""
+        start = time.perf_counter()
+        _contacts(self._calls, self.q, self.v, self.record)
+        return (time.perf_counter() - start) / self._calls
+
+    def solver_s(self, step_s: float) -> float:
+        """Time of one step of Exudyn for this system: no forces, a callback that does nothing, one Jacobian."""
+        exu = load_exudyn()
+        container = exu.SystemContainer()  # owns the system: it must outlive the solve
+        mbs = container.AddSystem()
+        system = assemble(mbs, self.record, self.q, self.v)
+
+        def newton_jacobian(
+            _mbs: Any, _t: float, _item: int, _q: np.ndarray, _v: np.ndarray, factor_q: float, factor_v: float
+        ) -> Any:
+            jacobian = np.zeros((COORDINATES, COORDINATES))
+            coach_jacobian(self.q, self.v, factor_q, factor_v, self.record, jacobian)
+            sparse = exu.MatrixContainer()
+            sparse.SetWithDenseMatrix(jacobian, False)
+            return sparse
+
+        mbs.SetObjectParameter(system, "jacobianUserFunction", newton_jacobian)
+        mbs.Assemble()
+        mbs.SetPreStepUserFunction(lambda _mbs, _end_s: True)
+        solver = exu.MainSolverImplicitSecondOrder()
+        settings = solver_settings(exu, step_s, _SOLVER_STEPS * step_s)
+        start = time.perf_counter()
+        reached = solver.SolveSystem(mbs, settings)
+        wall_s = time.perf_counter() - start
+        if not reached:
+            raise SolverFailure("Exudyn gave up on a coach without forces")
+        return wall_s / _SOLVER_STEPS
+
+
+@compiled
+def _forces(count: int, q: Array, v: Array, f: Array, record: Record, track: Array, rail: RailTables) -> None:
+    for _ in range(count):
+        coach_force(q, v, f, record, track, rail)
+
+
+@compiled
+def _contacts(count: int, q: Array, v: Array, record: Record) -> None:
+    coach = record[0]
+    for _ in range(count):
+        for i in range(4):
+            at = 18 + 6 * i
+            wheelset_contact(
+                i, q[at : at + 3], coach.rotation[3 + i], v[at : at + 3], v[at + 3 : at + 6], v[42 + i], coach,
+                coach.probe_wheelset[0], coach.probe_wheelset[1], coach.report[i],
+            )  # fmt: skip

@@ -1,0 +1,69 @@
+"""Relative paths in a scenario file, or in a preset of the user's own, count from the folder of that file."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+Tree = dict[str, Any]
+
+
+def anchor_paths(tree: Tree, folder: Path) -> None:
+    """Make the relative paths in the sections of `tree` absolute; names of what the program brings are left alone."""
+    for section in ("coach", "brake", "imu"):
+        _anchor(table_of(tree, section), "preset", folder, _is_toml)
+    for section, key in (("wsp", "controller"), ("creep_law", "name")):
+        _anchor(table_of(tree, section), key, folder, _is_python)
+    profiles = table_of(table_of(table_of(tree, "coach"), "contact"), "profiles")
+    for key in ("wheel_profile", "rail_profile"):
+        _anchor(profiles, key, folder, _is_profile_file)
+    adhesion = table_of(tree, "adhesion")
+    _anchor(adhesion, "rail_state_file", folder)
+    for rail in (*_entries(adhesion, "stretches"), *_entries(adhesion, "patches")):
+        _anchor(rail, "file", folder)
+        _anchor(rail, "recovery", folder, _is_toml)
+    estimators = table_of(tree, "estimators")
+    if isinstance(estimators.get("names"), list):
+        estimators["names"] = [_anchored(name, folder, _is_python) for name in estimators["names"]]
+    for name in [name for name in estimators if _is_python(name)]:
+        estimators[_anchored(name, folder, _is_python)] = estimators.pop(name)
+
+
+def table_of(tree: Tree, key: str) -> Tree:
+    """The table that stands at `key`, or an empty one."""
+    table = tree.get(key)
+    return table if isinstance(table, dict) else {}
+
+
+def _entries(tree: Tree, key: str) -> list[Tree]:
+    """The tables of the array at `key`; `--set` addresses its entries by digits, as a table of tables."""
+    value = tree.get(key)
+    entries = list(value.values()) if isinstance(value, dict) else value
+    return [entry for entry in entries if isinstance(entry, dict)] if isinstance(entries, list) else []
+
+
+def _is_toml(text: str) -> bool:
+    return text.endswith(".toml")
+
+
+def _is_python(text: str) -> bool:
+    return ".py:" in text
+
+
+def _is_profile_file(text: str) -> bool:
+    """As `wheel_rail.profiles` tells a file from a name."""
+    return Path(text).suffix != ""
+
+
+def _anchor(table: Tree, key: str, folder: Path, is_path: Callable[[str], bool] | None = None) -> None:
+    if key in table:
+        table[key] = _anchored(table[key], folder, is_path)
+
+
+def _anchored(value: Any, folder: Path, is_path: Callable[[str], bool] | None) -> Any:
+    """A path as an absolute one, anything else as it is; without `is_path` every text is a path."""
+    if not isinstance(value, str) or not (is_path is None or is_path(value)):
+        return value
+    try:
+        return str((folder / value).resolve())
+    except ValueError:  # a null character; whoever opens it says so
+        return value
