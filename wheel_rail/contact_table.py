@@ -5,7 +5,7 @@ lateral stop on the rail's stiffness takes over.
 """
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -70,11 +70,7 @@ class Contact:
         """Record of dtype `CONTACT` (shape ()). Raises ValueError or ProfileError for profiles that cannot be used."""
         p = self.parameters
         record = np.zeros((), CONTACT)
-        if p.geometry == "conical" and p.conical is not None:
-            displacement, table = self._conical(p.conical)
-        elif p.profiles is not None:
-            displacement, table = self._profiles(p.profiles)
-        record["table"] = table
+        displacement, record["table"] = _rows(p, self.radius_m, self.load_n)
         record["first_m"], record["step_m"] = displacement[0], displacement[1] - displacement[0]
         record["flange_clearance_m"] = displacement[-1]
         record["radius_m"] = self.radius_m
@@ -108,60 +104,71 @@ class Contact:
         row: np.ndarray = self.constants["table"][0, NODES // 2]
         return row
 
-    def _conical(self, cone: ConicalGeometry) -> tuple[np.ndarray, np.ndarray]:
-        half = 0.5 * RAIL_SPACING_M
-        displacement = np.linspace(-cone.flange_clearance_m, cone.flange_clearance_m, NODES)
-        table = np.zeros((2, NODES, COLUMNS))
-        for side, sign in ((0, 1.0), (1, -1.0)):
-            rows = table[side]
-            rows[:, PLACE_ALONG] = half - sign * displacement
-            rows[:, ROLLING_RADIUS] = self.radius_m + cone.conicity * sign * displacement
-            rows[:, SLOPE] = cone.conicity
-            rows[:, RAIL_Y] = half
-            rows[:, SEMI_AXIS_A:] = self._hertz(1.0 / self.radius_m, 1.0 / cone.rail_head_radius_m)
-        return displacement, table
 
-    def _profiles(self, profiles: ProfileGeometry) -> tuple[np.ndarray, np.ndarray]:
-        geometry = ContactGeometry(profiles.geometry, (self.radius_m, self.radius_m))
-        limit = self._end_of_tread_m(geometry)
-        displacement = np.linspace(-limit, limit, NODES)
-        found = geometry.table(displacement, penetration_m=_PENETRATION_M).contacts[0]
-        table = np.zeros((2, NODES, COLUMNS))
-        taken = (
-            (PLACE_ALONG, ALONG),
-            (ROLLING_RADIUS, RADIUS),
-            (SLOPE, CONICITY),
-            (RAIL_Y, TRACK_Y),
-            (RAIL_Z, TRACK_Z),
+@lru_cache(maxsize=8)  # a run asks for the same contact several times, and profiles take a while
+def _rows(parameters: ContactParameters, radius_m: float, load_n: float) -> tuple[np.ndarray, np.ndarray]:
+    """Displacements (NODES,) and table (2, NODES, COLUMNS)."""
+    if parameters.geometry == "conical" and parameters.conical is not None:
+        displacement, table = _conical(parameters, parameters.conical, radius_m, load_n)
+    elif parameters.profiles is not None:
+        displacement, table = _profiles(parameters, parameters.profiles, radius_m, load_n)
+    return displacement, table
+
+
+def _conical(
+    p: ContactParameters, cone: ConicalGeometry, radius_m: float, load_n: float
+) -> tuple[np.ndarray, np.ndarray]:
+    half = 0.5 * RAIL_SPACING_M
+    displacement = np.linspace(-cone.flange_clearance_m, cone.flange_clearance_m, NODES)
+    table = np.zeros((2, NODES, COLUMNS))
+    for side, sign in ((0, 1.0), (1, -1.0)):
+        rows = table[side]
+        rows[:, PLACE_ALONG] = half - sign * displacement
+        rows[:, ROLLING_RADIUS] = radius_m + cone.conicity * sign * displacement
+        rows[:, SLOPE] = cone.conicity
+        rows[:, RAIL_Y] = half
+        rows[:, SEMI_AXIS_A:] = _hertz(p, load_n, 1.0 / radius_m, 1.0 / cone.rail_head_radius_m)
+    return displacement, table
+
+
+def _profiles(
+    p: ContactParameters, profiles: ProfileGeometry, radius_m: float, load_n: float
+) -> tuple[np.ndarray, np.ndarray]:
+    geometry = ContactGeometry(profiles.geometry, (radius_m, radius_m))
+    limit = _end_of_tread_m(geometry)
+    displacement = np.linspace(-limit, limit, NODES)
+    found = geometry.table(displacement, penetration_m=_PENETRATION_M).contacts[0]
+    table = np.zeros((2, NODES, COLUMNS))
+    taken = ((PLACE_ALONG, ALONG), (ROLLING_RADIUS, RADIUS), (SLOPE, CONICITY), (RAIL_Y, TRACK_Y), (RAIL_Z, TRACK_Z))
+    curvature = relative_curvatures_1pm(found)
+    for side in range(2):
+        for column, source in taken:
+            table[side, :, column] = found[:, side, source]
+        for k in range(NODES):
+            table[side, k, SEMI_AXIS_A:] = _hertz(p, load_n, curvature[k, side, 0], curvature[k, side, 1])
+    return displacement, table
+
+
+def _end_of_tread_m(geometry: ContactGeometry) -> float:
+    """Displacement at which the flange begins."""
+    outwards = np.arange(0.0, 0.02, _STEP_M)
+    slope = geometry.table(outwards, penetration_m=_PENETRATION_M).contacts[0, :, 0, CONICITY]
+    beyond = np.flatnonzero(slope > FLANGE_SLOPE)
+    if not beyond.size or beyond[0] < 5:
+        raise ValueError(
+            "contact.profiles: gauge_m and back_to_back_m must bring the flange to the rail within 0.5 to 20 mm"
         )
-        curvature = relative_curvatures_1pm(found)
-        for side in range(2):
-            for column, source in taken:
-                table[side, :, column] = found[:, side, source]
-            for k in range(NODES):
-                table[side, k, SEMI_AXIS_A:] = self._hertz(curvature[k, side, 0], curvature[k, side, 1])
-        return displacement, table
+    return float(outwards[beyond[0] - 1])
 
-    def _end_of_tread_m(self, geometry: ContactGeometry) -> float:
-        """Displacement at which the flange begins."""
-        outwards = np.arange(0.0, 0.02, _STEP_M)
-        slope = geometry.table(outwards, penetration_m=_PENETRATION_M).contacts[0, :, 0, CONICITY]
-        beyond = np.flatnonzero(slope > FLANGE_SLOPE)
-        if not beyond.size or beyond[0] < 5:
-            raise ValueError(
-                "contact.profiles: gauge_m and back_to_back_m must bring the flange to the rail within 0.5 to 20 mm"
-            )
-        return float(outwards[beyond[0] - 1])
 
-    def _hertz(self, rolling_1pm: float, lateral_1pm: float) -> list[float]:
-        """Columns from SEMI_AXIS_A on, for these relative curvatures."""
-        p = self.parameters
-        # conforming surfaces make no ellipse: the flattest contact that the theory bears stands for them
-        lateral = max(lateral_1pm, 0.02 * rolling_1pm)
-        ellipse = elliptic_contact(self.load_n, rolling_1pm, lateral, p.shear_modulus_pa, p.poisson)
-        ratio = min(max(ellipse.a_m / ellipse.b_m, 1.0 / _LARGEST_RATIO), _LARGEST_RATIO)
-        # Hertz: approach grows with load^(2/3), so that the stiffness at a load is 3/2 load over approach
-        hertz = 1.5 * self.load_n / ellipse.approach_m
-        stiffness = 1.0 / (1.0 / hertz + 1.0 / p.track_stiffness_npm)
-        factor = 1.0 + 6.3 * (1.0 - np.exp(-ratio))
-        return [ellipse.a_m, ellipse.b_m, *creep_coefficients(ratio, p.poisson), float(factor), stiffness]
+def _hertz(p: ContactParameters, load_n: float, rolling_1pm: float, lateral_1pm: float) -> list[float]:
+    """Columns from SEMI_AXIS_A on, for these relative curvatures."""
+    # conforming surfaces make no ellipse: the flattest contact that the theory bears stands for them
+    lateral = max(lateral_1pm, 0.02 * rolling_1pm)
+    ellipse = elliptic_contact(load_n, rolling_1pm, lateral, p.shear_modulus_pa, p.poisson)
+    ratio = min(max(ellipse.a_m / ellipse.b_m, 1.0 / _LARGEST_RATIO), _LARGEST_RATIO)
+    # Hertz: approach grows with load^(2/3), so that the stiffness at a load is 3/2 load over approach
+    hertz = 1.5 * load_n / ellipse.approach_m
+    stiffness = 1.0 / (1.0 / hertz + 1.0 / p.track_stiffness_npm)
+    factor = 1.0 + 6.3 * (1.0 - np.exp(-ratio))
+    return [ellipse.a_m, ellipse.b_m, *creep_coefficients(ratio, p.poisson), float(factor), stiffness]
