@@ -37,7 +37,7 @@ CONTACT = np.dtype(
     [
         ("table", "f8", (2, NODES, COLUMNS)),  # left and right
         ("first_m", "f8"),  # displacement of the first node
-        ("step_m", "f8"),
+        ("nodes_per_m", "f8"),
         ("radius_m", "f8"),  # nominal
         ("reference_load_n", "f8"),
         ("shear_modulus_pa", "f8"),
@@ -71,7 +71,7 @@ class Contact:
         p = self.parameters
         record = np.zeros((), CONTACT)
         displacement, record["table"] = _rows(p, self.radius_m, self.load_n)
-        record["first_m"], record["step_m"] = displacement[0], displacement[1] - displacement[0]
+        record["first_m"], record["nodes_per_m"] = displacement[0], 1.0 / (displacement[1] - displacement[0])
         record["flange_clearance_m"] = displacement[-1]
         record["radius_m"] = self.radius_m
         record["reference_load_n"] = self.load_n
