@@ -9,9 +9,8 @@ calculation computer code, Vehicle System Dynamics Supplement 33 (1999) 728-739 
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from wheel_rail.compiled import Array, Vector, compiled
+from wheel_rail.slip import counted_lateral_creep, friction, tangent_with_fall
 
 
 @dataclass(frozen=True)
@@ -44,121 +43,72 @@ def polach_force(
     `patch`: (a_m, b_m, C11, C22, C23, 1 + 6.3 (1 - exp(-a/b))); `rail`: (mu0, A, B, kA, kS). The force opposes the
     creepages and stays within mu N.
     """
+    slip = polach_slip(creep_x, creep_y, spin_1pm, patch, shear_modulus_pa)
+    return polach_on_curve(creep_x, creep_y, slip_speed_mps, normal_force_n, slip, rail)
+
+
+@compiled
+def polach_slip(
+    creep_x: float, creep_y: float, spin_1pm: float, patch: Vector, shear_modulus_pa: float
+) -> tuple[float, float, float, float]:
+    """What does not depend on friction, once for all friction curves of a rail.
+
+    Total creepage; stiffness k = (1/4) G pi a b c, so that eps = k s/(mu N) (N per unit creep); the same for the
+    lateral force of spin (N), and that force's factor of mu N (Polach 1999).
+    """
     a, b, c11, c22, c23 = patch[0], patch[1], patch[2], patch[3], patch[4]
-    mu = rail[0] * ((1.0 - rail[1]) * math.exp(-rail[2] * slip_speed_mps) + rail[1])
+    counted = counted_lateral_creep(creep_y, spin_1pm, a)
+    total = math.sqrt(creep_x * creep_x + counted * counted)
+    scale = 0.25 * shear_modulus_pa * math.pi * a * b
+    if total < 1e-14:
+        return 0.0, scale * c11, 0.0, 0.0
+    per_total = 1.0 / total
+    stiffness = scale * math.sqrt((c11 * creep_x) ** 2 + (c22 * counted) ** 2) * per_total
+    aspect = patch[5]
+    spin_stiffness = 8.0 / 3.0 * shear_modulus_pa * b * math.sqrt(a * b) * c23 * abs(counted) / aspect
+    return total, stiffness, spin_stiffness, 9.0 / 16.0 * a * aspect * spin_1pm * per_total
+
+
+@compiled
+def polach_on_curve(
+    creep_x: float, creep_y: float, slip_speed_mps: float, normal_force_n: float,
+    slip: tuple[float, float, float, float], rail: Array,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """`polach_force` on one friction curve, from what `polach_slip` has found."""
+    total, stiffness, spin_stiffness, spin_factor = slip
+    k_adhesion, k_slip = rail[3], rail[4]
+    mu = friction(rail, slip_speed_mps)
     limit = mu * normal_force_n
-    # lateral creepage that counts: spin adds where it increases it (Polach 1999, eq. 4)
-    creep_yc = creep_y + spin_1pm * a
-    if abs(creep_yc) <= abs(creep_y):
-        creep_yc = creep_y
-    total = math.sqrt(creep_x * creep_x + creep_yc * creep_yc)
-    if total < 1e-14 or limit <= 0.0:
-        slope = 0.25 * shear_modulus_pa * math.pi * a * b * c11 * (rail[3] + rail[4]) * 2.0 / math.pi
+    if total == 0.0 or limit <= 0.0:
+        slope = stiffness * (k_adhesion + k_slip) * 2.0 / math.pi
         return 0.0, 0.0, slope, slope
-    c = math.sqrt((c11 * creep_x) ** 2 + (c22 * creep_yc) ** 2) / total
-    stiffness = 0.25 * shear_modulus_pa * math.pi * a * b * c
-    eps = stiffness * total / limit
-    eps_a = rail[3] * eps
-    eps_s = rail[4] * eps
-    denominator = 1.0 + eps_a * eps_a
-    force = limit * 2.0 / math.pi * (eps_a / denominator + math.atan(eps_s))
+    per_limit = 1.0 / limit
+    eps = stiffness * total * per_limit
+    eps_a, eps_s = k_adhesion * eps, k_slip * eps
+    share = 1.0 / (1.0 + eps_a * eps_a)
+    force = limit * 2.0 / math.pi * (eps_a * share + math.atan(eps_s))
     tangent = (
-        2.0
-        / math.pi
-        * stiffness
-        * (rail[3] * (1.0 - eps_a * eps_a) / (denominator * denominator) + rail[4] / (1.0 + eps_s * eps_s))
-    )
-    # friction falls as the slip speed rises with the creep: what does not follow from the creep follows the limit
-    fall = -rail[2] * (mu - rail[0] * rail[1]) / mu
-    tangent += (force - tangent * total) * fall * slip_speed_mps / total
-    fx = -force * creep_x / total
-    fy = -force * creep_y / total
-    if spin_1pm != 0.0:
-        aspect = patch[5]
-        eps_spin = 8.0 / 3.0 * shear_modulus_pa * b * math.sqrt(a * b) * c23 * abs(creep_yc) / (aspect * limit)
-        delta = (eps_spin * eps_spin - 1.0) / (eps_spin * eps_spin + 1.0)
-        # sqrt(1 - delta^2) = 2 eps/(eps^2 + 1)
+        2.0 / math.pi * stiffness
+        * (k_adhesion * (1.0 - eps_a * eps_a) * share * share + k_slip / (1.0 + eps_s * eps_s))
+    )  # fmt: skip
+    tangent = tangent_with_fall(tangent, force, total, slip_speed_mps, mu, rail)
+    secant = force / total
+    fx, fy = -secant * creep_x, -secant * creep_y
+    if spin_factor != 0.0:
+        eps_spin = spin_stiffness * per_limit
+        square = eps_spin * eps_spin
+        share = 1.0 / (square + 1.0)
+        # delta of the source; sqrt(1 - delta^2) = 2 eps/(eps^2 + 1)
+        delta = (square - 1.0) * share
         k_moment = (
             eps_spin * (delta * delta * delta / 3.0 - 0.5 * delta * delta + 1.0 / 6.0)
-            - (2.0 * eps_spin / (eps_spin * eps_spin + 1.0)) ** 3 / 3.0
+            - (2.0 * eps_spin * share) ** 3 / 3.0
         )
         # k_moment is negative: the force of spin acts against the lateral creepage that spin makes
-        fy += 9.0 / 16.0 * a * limit * k_moment * aspect * spin_1pm / total
+        fy += spin_factor * limit * k_moment
         size2 = fx * fx + fy * fy
         if size2 > limit * limit:
             shrink = limit / math.sqrt(size2)
             fx *= shrink
             fy *= shrink
-    return fx, fy, tangent, force / total
-
-
-@compiled
-def adhesion_at(
-    creep: float, speed_mps: float, normal_force_n: float, patch: Vector, rail: Array, shear_modulus_pa: float
-) -> float:
-    """Utilised adhesion |F|/N at a purely longitudinal creep."""
-    fx, _, _, _ = polach_force(creep, 0.0, 0.0, creep * speed_mps, normal_force_n, patch, rail, shear_modulus_pa)
-    return abs(fx) / normal_force_n
-
-
-@compiled
-def peak_adhesion(
-    speed_mps: float, normal_force_n: float, patch: Vector, rail: Array, shear_modulus_pa: float
-) -> tuple[float, float]:
-    """Largest adhesion over longitudinal creep up to 0.3 and the creep where it lies.
-
-    The curve has a single maximum in creep: golden-section search over the logarithm of creep.
-    """
-    golden = 0.6180339887498949
-    low, high = math.log(1e-4), math.log(0.3)
-    x1 = high - golden * (high - low)
-    x2 = low + golden * (high - low)
-    f1 = adhesion_at(math.exp(x1), speed_mps, normal_force_n, patch, rail, shear_modulus_pa)
-    f2 = adhesion_at(math.exp(x2), speed_mps, normal_force_n, patch, rail, shear_modulus_pa)
-    for _ in range(24):
-        if f1 < f2:
-            low, x1, f1 = x1, x2, f2
-            x2 = low + golden * (high - low)
-            f2 = adhesion_at(math.exp(x2), speed_mps, normal_force_n, patch, rail, shear_modulus_pa)
-        else:
-            high, x2, f2 = x2, x1, f1
-            x1 = high - golden * (high - low)
-            f1 = adhesion_at(math.exp(x1), speed_mps, normal_force_n, patch, rail, shear_modulus_pa)
-    if f1 > f2:
-        return f1, math.exp(x1)
-    return f2, math.exp(x2)
-
-
-def mu0_for_peak(
-    peak: np.ndarray,
-    surface: Surface,
-    speed_mps: float,
-    normal_force_n: float,
-    patch: np.ndarray,
-    shear_modulus_pa: float,
-) -> np.ndarray:
-    """The law's mu0 that gives these peak adhesions (any shape, 0 < peak <= 1) at `speed_mps` and `normal_force_n`.
-
-    Raises ValueError where no mu0 reaches the peak.
-    """
-    peak = np.asarray(peak, dtype=float)
-    # peak over mu0 is smooth and monotone: tabulated once and inverted by interpolation
-    grid = np.geomspace(0.002, 3.0, 200)
-    reached = np.array(
-        [
-            peak_adhesion(
-                speed_mps,
-                normal_force_n,
-                patch,
-                np.array([m, surface.falling_a, surface.falling_b_spm, surface.k_adhesion, surface.k_slip]),
-                shear_modulus_pa,
-            )[0]
-            for m in grid
-        ]
-    )
-    if np.any(peak < reached[0]) or np.any(peak > reached[-1]):
-        raise ValueError(
-            f"peak adhesion {float(np.min(peak)):.4g} to {float(np.max(peak)):.4g}: this surface reaches "
-            f"{reached[0]:.4g} to {reached[-1]:.4g}"
-        )
-    return np.exp(np.interp(np.log(peak), np.log(reached), np.log(grid)))
+    return fx, fy, tangent, secant
