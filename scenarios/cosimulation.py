@@ -78,9 +78,10 @@ class Line:
         self.state = _rail_state(scenario)
         self.rail = self.adhesion.tables(self.state)
 
-    def holds(self, position_m: float) -> bool:
-        """Whether all wheelsets of a coach whose centre is at `position_m` are on the line."""
-        return self.reach_m <= position_m <= self.track.length_m - self.reach_m
+    @property
+    def places_m(self) -> tuple[float, float]:
+        """First and last place of the coach's centre at which all its wheelsets are on the line."""
+        return self.reach_m, self.track.length_m - self.reach_m
 
 
 def _rail_state(scenario: Scenario) -> RailState:
@@ -160,6 +161,7 @@ class _Loop:
         self._driver = Driver(scenario.driver, DRIVER_PERIOD_S)
         self._brake = Brake(scenario.brake, self.period_s)
         self._recorder = Recorder()
+        self._first_m, self._last_m = line.places_m
         self._sanders = Sanders(scenario.sanding, TICK_S)
         self._actuation = Actuation(sanders=self._sanders.rows)
         self._sand = np.zeros(4, np.bool_)
@@ -200,7 +202,7 @@ class _Loop:
             if self._stop_requested():
                 raise RunInterrupted
             self._on_progress(t_s, position_m, speed_mps)
-        if not self._line.holds(position_m):
+        if not self._first_m <= position_m <= self._last_m:
             self.off_the_line = True
         tachometers = self._tachometers
         tachometers.advance(t_s, state.wheel_angle_rad, state.wheel_rate_radps)
@@ -222,7 +224,8 @@ class _Loop:
                 t_s, tachometers.axle_speed_mps, tachometers.valid, self._demand, 1, math.nan
             )
             self._answer[:] = self._output.valve
-        self._sanders.step(self._sand)
+        if len(self._sanders.rows):
+            self._sanders.step(self._sand)
         self._ticks += 1
         self.stopped = self._stands(speed_mps)
         return not (self.stopped or self.off_the_line)

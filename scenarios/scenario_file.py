@@ -140,11 +140,11 @@ def _contradictions(scenario: Scenario, merged: Merged) -> Iterator[Fault]:
         within = "coach." if str(error).startswith("contact.") else ""
         yield table_fault(merged, (), f"{within}{error}")
     else:
-        if not line.holds(simulation.initial_position_m):
+        first_m, last_m = line.places_m
+        if not first_m <= simulation.initial_position_m <= last_m:
             source = merged.origin(("simulation", "initial_position_m"))
             key = f"simulation.initial_position_m = {simulation.initial_position_m}"
-            last = line.track.length_m - line.reach_m
-            yield Fault(source, key, f"the whole coach must stand on the track: {line.reach_m} to {last} m")
+            yield Fault(source, key, f"the whole coach must stand on the track: {first_m} to {last_m} m")
     period_s = getattr(scenario.make_controller(), "period_s", None)
     ticks = period_s / TICK_S if isinstance(period_s, int | float) else 0.0
     if round(ticks) < 1 or abs(ticks - round(ticks)) > 1e-9:

@@ -40,7 +40,7 @@ def coach_jacobian(q: Array, v: Array, factor_q: float, factor_v: float, record:
                 _add_contact(i, report, v[42 + i], factor_q, factor_v, coach, jacobian)
         _add_flange(i, q, factor_q, coach, jacobian)
         _add_spin(i, v, factor_q, factor_v, coach, jacobian)
-    coach.old_heading = math.atan2(coach.rotation[0, 1, 0], coach.rotation[0, 0, 0])
+    coach.old_heading[0], coach.old_heading[1] = coach.rotation[0, 0, 0], coach.rotation[0, 1, 0]
     frame = coach.frame[4]
     speed = abs(v[0] * frame[3] + v[1] * frame[4] + v[2] * frame[5])
     fall = 1.0 - math.tanh(speed / 0.1) ** 2

@@ -91,7 +91,7 @@ COACH = np.dtype(
         ("old_slide", "f8", (4, 2)),  # of the last step
         ("old_touch", "f8", (4, 2)),
         ("old_stuck", "f8", (4,)),
-        ("old_heading", "f8"),
+        ("old_heading", "f8", (2,)),  # of the carbody, as x and y of its x axis
         # scratch
         ("force", "f8", (8, COORDINATES)),
         ("moment", "f8", (BODIES, 3)),

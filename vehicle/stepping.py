@@ -114,11 +114,7 @@ def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
                 aged = True
             if (report[PENETRATION] > 0.0) != (coach.old_touch[i, side] > 0.0):
                 aged = True
-    turn = math.atan2(coach.rotation[0, 1, 0], coach.rotation[0, 0, 0]) - coach.old_heading
-    if turn > math.pi:
-        turn -= 2.0 * math.pi
-    elif turn < -math.pi:
-        turn += 2.0 * math.pi
+    turn = coach.rotation[0, 1, 0] * coach.old_heading[0] - coach.rotation[0, 0, 0] * coach.old_heading[1]
     return aged or abs(turn) > 0.002
 
 

@@ -102,23 +102,22 @@ def _relative(q: Array, v: Array, coach: Record, e: int, out: Array) -> None:
     """Deflection (3), its speed (3), lever arms of the lower point on upper (3) and lower (3) body: `out` (12,)."""
     u, w = coach.upper[e], coach.lower[e]
     ru, rw = coach.rotation[u], coach.rotation[w]
-    for j in range(3):
-        arm = 0.0
-        rest = 0.0
-        for k in range(3):
-            arm += rw[j, k] * coach.lower_point[e, k]
-            rest += ru[j, k] * coach.upper_point[e, k]
-        out[9 + j] = arm
-        out[6 + j] = q[6 * w + j] + arm - q[6 * u + j]
-        out[j] = out[6 + j] - rest  # world deflection, turned below
+    point, rest = coach.lower_point[e], coach.upper_point[e]
+    a, b, c = point[0], point[1], point[2]
+    ax = rw[0, 0] * a + rw[0, 1] * b + rw[0, 2] * c
+    ay = rw[1, 0] * a + rw[1, 1] * b + rw[1, 2] * c
+    az = rw[2, 0] * a + rw[2, 1] * b + rw[2, 2] * c
+    bx, by, bz = q[6 * w] + ax - q[6 * u], q[6 * w + 1] + ay - q[6 * u + 1], q[6 * w + 2] + az - q[6 * u + 2]
     wu, wl = coach.rate[u], coach.rate[w]
-    sx = v[6 * w] - v[6 * u] + wl[1] * out[11] - wl[2] * out[10] - (wu[1] * out[8] - wu[2] * out[7])
-    sy = v[6 * w + 1] - v[6 * u + 1] + wl[2] * out[9] - wl[0] * out[11] - (wu[2] * out[6] - wu[0] * out[8])
-    sz = v[6 * w + 2] - v[6 * u + 2] + wl[0] * out[10] - wl[1] * out[9] - (wu[0] * out[7] - wu[1] * out[6])
-    dx, dy, dz = out[0], out[1], out[2]
+    sx = v[6 * w] - v[6 * u] + wl[1] * az - wl[2] * ay - (wu[1] * bz - wu[2] * by)
+    sy = v[6 * w + 1] - v[6 * u + 1] + wl[2] * ax - wl[0] * az - (wu[2] * bx - wu[0] * bz)
+    sz = v[6 * w + 2] - v[6 * u + 2] + wl[0] * ay - wl[1] * ax - (wu[0] * by - wu[1] * bx)
     for j in range(3):
-        out[j] = ru[0, j] * dx + ru[1, j] * dy + ru[2, j] * dz
-        out[3 + j] = ru[0, j] * sx + ru[1, j] * sy + ru[2, j] * sz
+        x, y, z = ru[0, j], ru[1, j], ru[2, j]
+        out[j] = x * bx + y * by + z * bz - rest[j]
+        out[3 + j] = x * sx + y * sy + z * sz
+    out[6], out[7], out[8] = bx, by, bz
+    out[9], out[10], out[11] = ax, ay, az
 
 
 @compiled

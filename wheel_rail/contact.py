@@ -48,9 +48,16 @@ def _over_root(x: float) -> float:
 
 
 @compiled
+def _under_root(x: float) -> float:
+    """1/sqrt(1 - x^2) to 1e-9 for the sine of a yaw angle, |x| < 0.05."""
+    x2 = x * x
+    return 1.0 + 0.5 * x2 * (1.0 + 0.75 * x2 * (1.0 + 5.0 / 6.0 * x2))
+
+
+@compiled
 def table_place(displacement_m: float, constants: Record) -> tuple[int, float]:
     """Node of the table below the displacement, and how far on to the next; beyond the table its end."""
-    u = (displacement_m - constants.first_m) / constants.step_m
+    u = (displacement_m - constants.first_m) * constants.nodes_per_m
     u = min(max(u, 0.0), NODES - 1.0)
     k = min(int(u), NODES - 2)
     return k, u - k
@@ -83,19 +90,21 @@ def wheel_contact(
     half = side * (low[RAIL_Y] + u * (high[RAIL_Y] - low[RAIL_Y]))
     top = low[RAIL_Z] + u * (high[RAIL_Z] - low[RAIL_Z])
     # rail's own tangent: the cant ramp lifts one rail and lowers the other
-    lift = half * frame[12] / (1.0 - half * frame[13])
+    shorter = half * frame[13]  # below 0.01, so that 1/(1 - x) is 1 + x + x^2 to a millionth
+    lift = half * frame[12] * (1.0 + shorter * (1.0 + shorter))
     scale = _over_root(lift)
     cx, cy, cz = (tx + lift * bx) * scale, (ty + lift * by) * scale, (tz + lift * bz) * scale
     # perpendicular to rail and axle, upwards; rolling direction of the wheel
     zx, zy, zz = cy * ez - cz * ey, cz * ex - cx * ez, cx * ey - cy * ex
-    scale = 1.0 / math.sqrt(zx * zx + zy * zy + zz * zz)
+    askew = ex * cx + ey * cy + ez * cz
+    scale = _under_root(askew)
     zx *= scale
     zy *= scale
     zz *= scale
     rx, ry, rz = ey * zz - ez * zy, ez * zx - ex * zz, ex * zy - ey * zx
     # a yawed wheel touches ahead of or behind the axle: turn the radial direction until the normal is square to the
-    # rail
-    ahead = -inward * (ex * cx + ey * cy + ez * cz) / (rx * cx + ry * cy + rz * cz)
+    # rail (r c = 1/scale)
+    ahead = -inward * askew * scale
     scale = _over_root(ahead)
     zx, zy, zz = (zx + ahead * rx) * scale, (zy + ahead * ry) * scale, (zz + ahead * rz) * scale
     px, py, pz = along * ex - radius * zx, along * ey - radius * zy, along * ez - radius * zz
@@ -137,7 +146,7 @@ def wheel_contact(
     forward = abs(velocity[0] * tx + velocity[1] * ty + velocity[2] * tz)
     rim = abs(spin_radps) * radius
     fastest = forward if forward > rim else rim
-    speed = math.sqrt(fastest * fastest + constants.creep_speed_mps * constants.creep_speed_mps)
+    per_speed = 1.0 / math.sqrt(fastest * fastest + constants.creep_speed_mps * constants.creep_speed_mps)
     # the ellipse grows with the cube root of the load at constant ratio
     growth = np.cbrt(load / constants.reference_load_n)
     patch = (
@@ -148,11 +157,12 @@ def wheel_contact(
         low[C23] + u * (high[C23] - low[C23]),
         low[SPIN_FACTOR] + u * (high[SPIN_FACTOR] - low[SPIN_FACTOR]),
     )
-    spin = (ox * mx + oy * my + oz * mz) / speed
+    spin = (ox * mx + oy * my + oz * mz) * per_speed
     slide = math.sqrt(slide_c * slide_c + slide_l * slide_l)
     along_rail, across, tangent, secant = adhesive_force(
         constants.law, constants.law_address, constants.law_extra,
-        slide_c / speed, slide_l / speed, spin, slide, forward, load, patch, condition, constants.shear_modulus_pa,
+        slide_c * per_speed, slide_l * per_speed, spin, slide, forward, load, patch, condition,
+        constants.shear_modulus_pa,
     )  # fmt: skip
     fx, fy, fz = along_rail * cx + across * lx, along_rail * cy + across * ly, along_rail * cz + across * lz
     qx, qy, qz = py * fz - pz * fy, pz * fx - px * fz, px * fy - py * fx
@@ -168,20 +178,23 @@ def wheel_contact(
     report[UPWARDS], report[UPWARDS + 1], report[UPWARDS + 2] = mx, my, mz
     report[POINT], report[POINT + 1], report[POINT + 2] = px, py, pz
     if slide > 0.0:
-        report[DIRECTION], report[DIRECTION + 1] = slide_c / slide, slide_l / slide
+        share = 1.0 / slide
+        report[DIRECTION], report[DIRECTION + 1] = slide_c * share, slide_l * share
     # F = limit g(creep/limit): what does not grow with the creep grows with the load
-    rising = tangent / speed if tangent > 0.0 else 0.0
-    report[LOAD_SHARE] = (along_rail + rising * slide_c) / load
-    report[LOAD_SHARE + 1] = (across + rising * slide_l) / load
-    report[RADIUS_SLOPE] = (high[ROLLING_RADIUS] - low[ROLLING_RADIUS]) / constants.step_m
+    tangent *= per_speed
+    rising = tangent if tangent > 0.0 else 0.0
+    per_load = 1.0 / load
+    report[LOAD_SHARE] = (along_rail + rising * slide_c) * per_load
+    report[LOAD_SHARE + 1] = (across + rising * slide_l) * per_load
+    report[RADIUS_SLOPE] = (high[ROLLING_RADIUS] - low[ROLLING_RADIUS]) * constants.nodes_per_m
     report[NORMAL_STIFFNESS] = stiffness
-    report[NORMAL_TURN] = side * load * (high[SLOPE] - low[SLOPE]) / constants.step_m
+    report[NORMAL_TURN] = side * load * (high[SLOPE] - low[SLOPE]) * constants.nodes_per_m
     report[SLIDE_SPEED] = slide
     report[NORMAL] = load
     report[LONGITUDINAL] = along_rail
     report[LATERAL] = across
-    report[TANGENT] = tangent / speed
-    report[SECANT] = secant / speed
+    report[TANGENT] = tangent
+    report[SECANT] = secant * per_speed
     report[SLIDE] = slide_c
     report[SLIDE_POWER] = -(along_rail * slide_c + across * slide_l)
 

@@ -39,7 +39,7 @@ CONTACT = np.dtype(
     [
         ("table", "f8", (2, NODES, COLUMNS)),  # left and right
         ("first_m", "f8"),  # displacement of the first node
-        ("step_m", "f8"),
+        ("nodes_per_m", "f8"),
         ("radius_m", "f8"),  # nominal
         ("reference_load_n", "f8"),
         ("shear_modulus_pa", "f8"),
@@ -72,12 +72,8 @@ class Contact:
         """Record of dtype `CONTACT` (shape ()). Raises ValueError, which names the key, for unusable profiles."""
         p = self.parameters
         record = np.zeros((), CONTACT)
-        if p.geometry == "conical" and p.conical is not None:
-            displacement, table = self._conical(p.conical)
-        elif p.profiles is not None:
-            displacement, table = _profile_table(self, p.profiles, *_file_times(p.profiles))
-        record["table"] = table
-        record["first_m"], record["step_m"] = displacement[0], displacement[1] - displacement[0]
+        displacement, record["table"] = _rows(p, self.radius_m, self.load_n, *_file_times(p.profiles))
+        record["first_m"], record["nodes_per_m"] = displacement[0], 1.0 / (displacement[1] - displacement[0])
         record["flange_clearance_m"] = displacement[-1]
         record["radius_m"] = self.radius_m
         record["reference_load_n"] = self.load_n
@@ -110,80 +106,90 @@ class Contact:
         row: np.ndarray = self.constants["table"][0, NODES // 2]
         return row
 
-    def _conical(self, cone: ConicalGeometry) -> tuple[np.ndarray, np.ndarray]:
-        half = 0.5 * RAIL_SPACING_M
-        displacement = np.linspace(-cone.flange_clearance_m, cone.flange_clearance_m, NODES)
-        table = np.zeros((2, NODES, COLUMNS))
-        for side, sign in ((0, 1.0), (1, -1.0)):
-            rows = table[side]
-            rows[:, PLACE_ALONG] = half - sign * displacement
-            rows[:, ROLLING_RADIUS] = self.radius_m + cone.conicity * sign * displacement
-            rows[:, SLOPE] = cone.conicity
-            rows[:, RAIL_Y] = half
-            rows[:, SEMI_AXIS_A:] = self._hertz(1.0 / self.radius_m, 1.0 / cone.rail_head_radius_m)
-        return displacement, table
-
-    def _profiles(self, profiles: ProfileGeometry) -> tuple[np.ndarray, np.ndarray]:
-        for key, read in (("wheel_profile", wheel_profile), ("rail_profile", rail_profile)):
-            name = getattr(profiles, key)
-            try:
-                read(name)
-            except ValueError as error:
-                raise ValueError(f"contact.profiles.{key} = {name}: {error}") from None
-        try:
-            geometry = ContactGeometry(profiles.geometry, (self.radius_m, self.radius_m))
-            limit = self._end_of_tread_m(geometry)
-            displacement = np.linspace(-limit, limit, NODES)
-            found = geometry.table(displacement, penetration_m=_PENETRATION_M).contacts[0]
-        except ValueError as error:
-            here = f"contact.profiles.gauge_m = {profiles.gauge_m}"
-            raise ValueError(f"{here}: with back_to_back_m = {profiles.back_to_back_m}, {error}") from None
-        table = np.zeros((2, NODES, COLUMNS))
-        taken = (
-            (PLACE_ALONG, ALONG),
-            (ROLLING_RADIUS, RADIUS),
-            (SLOPE, CONICITY),
-            (RAIL_Y, TRACK_Y),
-            (RAIL_Z, TRACK_Z),
-        )
-        curvature = relative_curvatures_1pm(found)
-        for side in range(2):
-            for column, source in taken:
-                table[side, :, column] = found[:, side, source]
-            for k in range(NODES):
-                table[side, k, SEMI_AXIS_A:] = self._hertz(curvature[k, side, 0], curvature[k, side, 1])
-        return displacement, table
-
-    def _end_of_tread_m(self, geometry: ContactGeometry) -> float:
-        """Displacement at which the flange begins."""
-        outwards = np.arange(0.0, 0.02, _STEP_M)
-        slope = geometry.table(outwards, penetration_m=_PENETRATION_M).contacts[0, :, 0, CONICITY]
-        beyond = np.flatnonzero(slope > FLANGE_SLOPE)
-        if not beyond.size or beyond[0] < 5:
-            raise ValueError("the flange does not meet the rail at a displacement of 0.5 to 20 mm")
-        return float(outwards[beyond[0] - 1])
-
-    def _hertz(self, rolling_1pm: float, lateral_1pm: float) -> list[float]:
-        """Columns from SEMI_AXIS_A on, for these relative curvatures."""
-        p = self.parameters
-        # conforming surfaces make no ellipse: the flattest contact that the theory bears stands for them
-        lateral = max(lateral_1pm, 0.02 * rolling_1pm)
-        ellipse = elliptic_contact(self.load_n, rolling_1pm, lateral, p.shear_modulus_pa, p.poisson)
-        ratio = min(max(ellipse.a_m / ellipse.b_m, 1.0 / _LARGEST_RATIO), _LARGEST_RATIO)
-        # Hertz: approach grows with load^(2/3), so that the stiffness at a load is 3/2 load over approach
-        hertz = 1.5 * self.load_n / ellipse.approach_m
-        stiffness = 1.0 / (1.0 / hertz + 1.0 / p.track_stiffness_npm)
-        factor = 1.0 + 6.3 * (1.0 - np.exp(-ratio))
-        return [ellipse.a_m, ellipse.b_m, *creep_coefficients(ratio, p.poisson), float(factor), stiffness]
-
 
 @lru_cache(maxsize=16)
-def _profile_table(contact: Contact, profiles: ProfileGeometry, *_file_times_ns: int) -> tuple[np.ndarray, np.ndarray]:
-    """Made once for each contact and state of the files: a run asks for it several times, and it takes 0.3 s."""
-    return contact._profiles(profiles)
+def _rows(
+    parameters: ContactParameters, radius_m: float, load_n: float, *_file_times_ns: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Displacements (NODES,) and table (2, NODES, COLUMNS).
+
+    Made once for each contact and state of the files: a run asks for it several times, and it takes 0.3 s.
+    """
+    if parameters.geometry == "conical" and parameters.conical is not None:
+        displacement, table = _conical(parameters, parameters.conical, radius_m, load_n)
+    elif parameters.profiles is not None:
+        displacement, table = _profiles(parameters, parameters.profiles, radius_m, load_n)
+    return displacement, table
 
 
-def _file_times(profiles: ProfileGeometry) -> list[int]:
+def _file_times(profiles: ProfileGeometry | None) -> list[int]:
     """When the profiles that are files were written, ns."""
-    files = map(Path, (profiles.wheel_profile, profiles.rail_profile))
+    files = map(Path, (profiles.wheel_profile, profiles.rail_profile) if profiles else ())
     return [file.stat().st_mtime_ns for file in files if file.is_file()]
+
+
+def _conical(
+    p: ContactParameters, cone: ConicalGeometry, radius_m: float, load_n: float
+) -> tuple[np.ndarray, np.ndarray]:
+    half = 0.5 * RAIL_SPACING_M
+    displacement = np.linspace(-cone.flange_clearance_m, cone.flange_clearance_m, NODES)
+    table = np.zeros((2, NODES, COLUMNS))
+    for side, sign in ((0, 1.0), (1, -1.0)):
+        rows = table[side]
+        rows[:, PLACE_ALONG] = half - sign * displacement
+        rows[:, ROLLING_RADIUS] = radius_m + cone.conicity * sign * displacement
+        rows[:, SLOPE] = cone.conicity
+        rows[:, RAIL_Y] = half
+        rows[:, SEMI_AXIS_A:] = _hertz(p, load_n, 1.0 / radius_m, 1.0 / cone.rail_head_radius_m)
+    return displacement, table
+
+
+def _profiles(
+    p: ContactParameters, profiles: ProfileGeometry, radius_m: float, load_n: float
+) -> tuple[np.ndarray, np.ndarray]:
+    for key, read in (("wheel_profile", wheel_profile), ("rail_profile", rail_profile)):
+        name = getattr(profiles, key)
+        try:
+            read(name)
+        except ValueError as error:
+            raise ValueError(f"contact.profiles.{key} = {name}: {error}") from None
+    try:
+        geometry = ContactGeometry(profiles.geometry, (radius_m, radius_m))
+        limit = _end_of_tread_m(geometry)
+        displacement = np.linspace(-limit, limit, NODES)
+        found = geometry.table(displacement, penetration_m=_PENETRATION_M).contacts[0]
+    except ValueError as error:
+        here = f"contact.profiles.gauge_m = {profiles.gauge_m}"
+        raise ValueError(f"{here}: with back_to_back_m = {profiles.back_to_back_m}, {error}") from None
+    table = np.zeros((2, NODES, COLUMNS))
+    taken = ((PLACE_ALONG, ALONG), (ROLLING_RADIUS, RADIUS), (SLOPE, CONICITY), (RAIL_Y, TRACK_Y), (RAIL_Z, TRACK_Z))
+    curvature = relative_curvatures_1pm(found)
+    for side in range(2):
+        for column, source in taken:
+            table[side, :, column] = found[:, side, source]
+        for k in range(NODES):
+            table[side, k, SEMI_AXIS_A:] = _hertz(p, load_n, curvature[k, side, 0], curvature[k, side, 1])
+    return displacement, table
+
+
+def _end_of_tread_m(geometry: ContactGeometry) -> float:
+    """Displacement at which the flange begins."""
+    outwards = np.arange(0.0, 0.02, _STEP_M)
+    slope = geometry.table(outwards, penetration_m=_PENETRATION_M).contacts[0, :, 0, CONICITY]
+    beyond = np.flatnonzero(slope > FLANGE_SLOPE)
+    if not beyond.size or beyond[0] < 5:
+        raise ValueError("the flange does not meet the rail at a displacement of 0.5 to 20 mm")
+    return float(outwards[beyond[0] - 1])
+
+
+def _hertz(p: ContactParameters, load_n: float, rolling_1pm: float, lateral_1pm: float) -> list[float]:
+    """Columns from SEMI_AXIS_A on, for these relative curvatures."""
+    # conforming surfaces make no ellipse: the flattest contact that the theory bears stands for them
+    lateral = max(lateral_1pm, 0.02 * rolling_1pm)
+    ellipse = elliptic_contact(load_n, rolling_1pm, lateral, p.shear_modulus_pa, p.poisson)
+    ratio = min(max(ellipse.a_m / ellipse.b_m, 1.0 / _LARGEST_RATIO), _LARGEST_RATIO)
+    # Hertz: approach grows with load^(2/3), so that the stiffness at a load is 3/2 load over approach
+    hertz = 1.5 * load_n / ellipse.approach_m
+    stiffness = 1.0 / (1.0 / hertz + 1.0 / p.track_stiffness_npm)
+    factor = 1.0 + 6.3 * (1.0 - np.exp(-ratio))
+    return [ellipse.a_m, ellipse.b_m, *creep_coefficients(ratio, p.poisson), float(factor), stiffness]

@@ -43,44 +43,72 @@ def polach_force(
     `patch`: (a_m, b_m, C11, C22, C23, 1 + 6.3 (1 - exp(-a/b))); `rail`: (mu0, A, B, kA, kS). The force opposes the
     creepages and stays within mu N.
     """
+    slip = polach_slip(creep_x, creep_y, spin_1pm, patch, shear_modulus_pa)
+    return polach_on_curve(creep_x, creep_y, slip_speed_mps, normal_force_n, slip, rail)
+
+
+@compiled
+def polach_slip(
+    creep_x: float, creep_y: float, spin_1pm: float, patch: Vector, shear_modulus_pa: float
+) -> tuple[float, float, float, float]:
+    """What does not depend on friction, once for all friction curves of a rail.
+
+    Total creepage; stiffness k = (1/4) G pi a b c, so that eps = k s/(mu N) (N per unit creep); the same for the
+    lateral force of spin (N), and that force's factor of mu N (Polach 1999).
+    """
     a, b, c11, c22, c23 = patch[0], patch[1], patch[2], patch[3], patch[4]
+    counted = counted_lateral_creep(creep_y, spin_1pm, a)
+    total = math.sqrt(creep_x * creep_x + counted * counted)
+    scale = 0.25 * shear_modulus_pa * math.pi * a * b
+    if total < 1e-14:
+        return 0.0, scale * c11, 0.0, 0.0
+    per_total = 1.0 / total
+    stiffness = scale * math.sqrt((c11 * creep_x) ** 2 + (c22 * counted) ** 2) * per_total
+    aspect = patch[5]
+    spin_stiffness = 8.0 / 3.0 * shear_modulus_pa * b * math.sqrt(a * b) * c23 * abs(counted) / aspect
+    return total, stiffness, spin_stiffness, 9.0 / 16.0 * a * aspect * spin_1pm * per_total
+
+
+@compiled
+def polach_on_curve(
+    creep_x: float, creep_y: float, slip_speed_mps: float, normal_force_n: float,
+    slip: tuple[float, float, float, float], rail: Array,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """`polach_force` on one friction curve, from what `polach_slip` has found."""
+    total, stiffness, spin_stiffness, spin_factor = slip
+    k_adhesion, k_slip = rail[3], rail[4]
     mu = friction(rail, slip_speed_mps)
     limit = mu * normal_force_n
-    creep_yc = counted_lateral_creep(creep_y, spin_1pm, a)
-    total = math.sqrt(creep_x * creep_x + creep_yc * creep_yc)
-    if total < 1e-14 or limit <= 0.0:
-        slope = 0.25 * shear_modulus_pa * math.pi * a * b * c11 * (rail[3] + rail[4]) * 2.0 / math.pi
+    if total == 0.0 or limit <= 0.0:
+        slope = stiffness * (k_adhesion + k_slip) * 2.0 / math.pi
         return 0.0, 0.0, slope, slope
-    c = math.sqrt((c11 * creep_x) ** 2 + (c22 * creep_yc) ** 2) / total
-    stiffness = 0.25 * shear_modulus_pa * math.pi * a * b * c
-    eps = stiffness * total / limit
-    eps_a = rail[3] * eps
-    eps_s = rail[4] * eps
-    denominator = 1.0 + eps_a * eps_a
-    force = limit * 2.0 / math.pi * (eps_a / denominator + math.atan(eps_s))
+    per_limit = 1.0 / limit
+    eps = stiffness * total * per_limit
+    eps_a, eps_s = k_adhesion * eps, k_slip * eps
+    share = 1.0 / (1.0 + eps_a * eps_a)
+    force = limit * 2.0 / math.pi * (eps_a * share + math.atan(eps_s))
     tangent = (
-        2.0
-        / math.pi
-        * stiffness
-        * (rail[3] * (1.0 - eps_a * eps_a) / (denominator * denominator) + rail[4] / (1.0 + eps_s * eps_s))
-    )
+        2.0 / math.pi * stiffness
+        * (k_adhesion * (1.0 - eps_a * eps_a) * share * share + k_slip / (1.0 + eps_s * eps_s))
+    )  # fmt: skip
     tangent = tangent_with_fall(tangent, force, total, slip_speed_mps, mu, rail)
-    fx = -force * creep_x / total
-    fy = -force * creep_y / total
-    if spin_1pm != 0.0:
-        aspect = patch[5]
-        eps_spin = 8.0 / 3.0 * shear_modulus_pa * b * math.sqrt(a * b) * c23 * abs(creep_yc) / (aspect * limit)
-        delta = (eps_spin * eps_spin - 1.0) / (eps_spin * eps_spin + 1.0)
-        # sqrt(1 - delta^2) = 2 eps/(eps^2 + 1)
+    secant = force / total
+    fx, fy = -secant * creep_x, -secant * creep_y
+    if spin_factor != 0.0:
+        eps_spin = spin_stiffness * per_limit
+        square = eps_spin * eps_spin
+        share = 1.0 / (square + 1.0)
+        # delta of the source; sqrt(1 - delta^2) = 2 eps/(eps^2 + 1)
+        delta = (square - 1.0) * share
         k_moment = (
             eps_spin * (delta * delta * delta / 3.0 - 0.5 * delta * delta + 1.0 / 6.0)
-            - (2.0 * eps_spin / (eps_spin * eps_spin + 1.0)) ** 3 / 3.0
+            - (2.0 * eps_spin * share) ** 3 / 3.0
         )
         # k_moment is negative: the force of spin acts against the lateral creepage that spin makes
-        fy += 9.0 / 16.0 * a * limit * k_moment * aspect * spin_1pm / total
+        fy += spin_factor * limit * k_moment
         size2 = fx * fx + fy * fy
         if size2 > limit * limit:
             shrink = limit / math.sqrt(size2)
             fx *= shrink
             fy *= shrink
-    return fx, fy, tangent, force / total
+    return fx, fy, tangent, secant

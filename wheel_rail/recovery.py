@@ -15,8 +15,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, WrapValidator, model_validator
 
 from wheel_rail.compiled import Array, Vector, compiled
-from wheel_rail.creep_laws import creep_force
-from wheel_rail.polach import Surface
+from wheel_rail.creep_laws import POLACH, creep_force
+from wheel_rail.polach import Surface, polach_on_curve, polach_slip
 
 # layout of a wheel's rail condition: two friction curves, what lies between them, and what the rail carries
 MU0, FALLING_A, FALLING_B, K_ADHESION, K_SLIP = range(5)
@@ -143,16 +143,21 @@ def share_degraded(
 
 
 @compiled
+def _curve(condition: Array, at: int) -> Vector:
+    """The friction curve that begins at `condition[at]`: a tuple, since a view of the array costs as much as a law."""
+    return condition[at], condition[at + 1], condition[at + 2], condition[at + 3], condition[at + 4]
+
+
+@compiled
 def _force_on_curve(
     law: int, address: int, extra: Array, creep_x: float, creep_y: float, spin_1pm: float, slip_speed_mps: float,
     normal_force_n: float, patch: Vector, condition: Array, at: int, shear_modulus_pa: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """`creep_force` on the curve that begins at `condition[at]`."""
-    # a tuple, since a view of the array costs nearly as much as the law's arctangent
-    curve: Vector = (condition[at], condition[at + 1], condition[at + 2], condition[at + 3], condition[at + 4])
     return creep_force(
-        law, address, extra, creep_x, creep_y, spin_1pm, slip_speed_mps, normal_force_n, patch, curve, shear_modulus_pa
-    )
+        law, address, extra, creep_x, creep_y, spin_1pm, slip_speed_mps, normal_force_n, patch, _curve(condition, at),
+        shear_modulus_pa,
+    )  # fmt: skip
 
 
 @compiled
@@ -166,17 +171,30 @@ def adhesive_force(
     is referred; `condition` (CONDITION,): what `rail_condition` says. Results as in `creep_force`; the tangent is that
     of the composed law at a constant ratio of slide to creep. Costs no more than the law where nothing recovers.
     """
-    fx, fy, tangent, secant = _force_on_curve(
-        law, address, extra, creep_x, creep_y, spin_1pm, slip_speed_mps, normal_force_n, patch, condition, DEGRADED,
-        shear_modulus_pa,
-    )  # fmt: skip
     tau = condition[TAU]
+    slip = (0.0, 0.0, 0.0, 0.0)
+    if law == POLACH:
+        # the law of most runs: what its two curves share is worked out once
+        slip = polach_slip(creep_x, creep_y, spin_1pm, patch, shear_modulus_pa)
+        fx, fy, tangent, secant = polach_on_curve(
+            creep_x, creep_y, slip_speed_mps, normal_force_n, slip, _curve(condition, DEGRADED)
+        )
+    else:
+        fx, fy, tangent, secant = _force_on_curve(
+            law, address, extra, creep_x, creep_y, spin_1pm, slip_speed_mps, normal_force_n, patch, condition, DEGRADED,
+            shear_modulus_pa,
+        )  # fmt: skip
     if tau <= 0.0:
         return fx, fy, tangent, secant
-    rx, ry, r_tangent, r_secant = _force_on_curve(
-        law, address, extra, creep_x, creep_y, spin_1pm, slip_speed_mps, normal_force_n, patch, condition, RECOVERED,
-        shear_modulus_pa,
-    )  # fmt: skip
+    if law == POLACH:
+        rx, ry, r_tangent, r_secant = polach_on_curve(
+            creep_x, creep_y, slip_speed_mps, normal_force_n, slip, _curve(condition, RECOVERED)
+        )
+    else:
+        rx, ry, r_tangent, r_secant = _force_on_curve(
+            law, address, extra, creep_x, creep_y, spin_1pm, slip_speed_mps, normal_force_n, patch, condition,
+            RECOVERED, shear_modulus_pa,
+        )  # fmt: skip
     creep = math.sqrt(creep_x * creep_x + creep_y * creep_y)
     if creep < 1e-14:
         kept, x, force = math.exp(-tau * condition[ENERGY]), 0.0, 0.0

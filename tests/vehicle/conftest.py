@@ -22,7 +22,7 @@ def parameters() -> CoachParameters:
 
 @dataclass
 class Bench:
-    """A coach on its line; `run` returns the observations every 5 ms."""
+    """A coach on its line; `run` returns the observations every 5 ms, each run on rails that no wheel has touched."""
 
     parameters: CoachParameters
     contact: Contact
@@ -55,6 +55,7 @@ class Bench:
             actuation.drive_torque_nm[:] = drive(t_s)
             return actuation
 
+        self.rail.state[:] = 0.0
         report = self.coach.run(step_s, duration_s, position_m, speed_mps, on_step, RECORD_S)
         return rows[:count], report
 
@@ -64,17 +65,17 @@ MakeBench = Callable[..., Bench]
 
 @pytest.fixture(scope="session")
 def make_bench(parameters: CoachParameters) -> MakeBench:
-    def make(peak_adhesion: float = 0.3, surface: str = "dry", **line: object) -> Bench:
+    def make(peak_adhesion: float = 0.3, surface: str = "dry", geometry: str = "profiles", **line: object) -> Bench:
+        contact_parameters = parameters.contact.model_copy(update={"geometry": geometry})
+        coach = parameters.model_copy(update={"contact": contact_parameters})
         track_parameters = TrackParameters.model_validate({"length_m": 4000.0, **line})
         track = Track(track_parameters)
-        contact = Contact(
-            parameters.contact, 0.5 * parameters.wheelset.wheel_diameter_m, parameters.static_wheel_load_n
-        )
+        contact = Contact(coach.contact, 0.5 * coach.wheelset.wheel_diameter_m, coach.static_wheel_load_n)
         found = AdhesionParameters.model_validate(
             {"stretches": [{"from_m": 0.0, "surface": surface, "peak_adhesion": peak_adhesion}]}
         )
         length_m = track_parameters.length_m
         rail = Adhesion(found, length_m, contact, np.random.default_rng(1)).tables(RailState(length_m))
-        return Bench(parameters, contact, track, rail, Coach(parameters, contact, track, rail))
+        return Bench(coach, contact, track, rail, Coach(coach, contact, track, rail))
 
     return make

