@@ -127,7 +127,7 @@ def _conicities(line: Line) -> tuple[float | None, ...]:
     play_m = float(constants["flange_clearance_m"])
     geometry = geometry_of(line)
     if geometry is None:
-        displacement_m = float(constants["first_m"]) + float(constants["step_m"]) * np.arange(NODES)
+        displacement_m = line.contact.displacement_m
         radius_m = constants["table"][:, :, ROLLING_RADIUS]
         difference_m = radius_m[0] - radius_m[1]
     else:

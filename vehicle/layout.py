@@ -16,6 +16,7 @@ from wheel_rail.adhesion_state import RAIL
 from wheel_rail.compiled import record_reader
 from wheel_rail.contact import REPORT
 from wheel_rail.recovery import CONDITION
+from wheel_rail.sanding import MOST_SANDERS
 
 BODIES = 7
 COORDINATES = 46
@@ -23,7 +24,6 @@ SPIN = 42  # first spin coordinate
 ELEMENTS = 20  # 8 primary, 4 secondary, 4 yaw dampers, 2 traction rods, 2 anti-roll bars
 CURVE_POINTS = 12
 CURVES = 7
-SANDERS = 8  # at most
 
 COACH = np.dtype(
     [
@@ -64,7 +64,7 @@ COACH = np.dtype(
         ("turned", "f8", (BODIES, 3)),  # turn coordinates at that rotation
         ("memory", "f8", (2, 4, MEMORY)),  # what each wheel remembers of its friction
         ("passed", "f8", (4,)),  # place up to which each wheelset has left its mark on the rail
-        ("sanders", "f8", (SANDERS, 3)),  # rows of `Sanders.rows`
+        ("sanders", "f8", (MOST_SANDERS, 3)),  # rows of `Sanders.rows`
         ("sander_count", "i8"),
         ("s", "f8", (5,)),  # place of the wheelsets and of the carbody's centre along the track
         ("capacity", "f8", (4,)),  # friction torque that the brake can hold, Nm

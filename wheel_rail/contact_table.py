@@ -84,6 +84,12 @@ class Contact:
         return record
 
     @property
+    def displacement_m(self) -> np.ndarray:
+        """Lateral displacements of the table's nodes, (NODES,)."""
+        limit = self.constants["flange_clearance_m"]
+        return np.linspace(-limit, limit, NODES)
+
+    @property
     def patch(self) -> np.ndarray:
         """Contact of a centred wheel at the nominal load: (a_m, b_m, C11, C22, C23, Polach's spin factor)."""
         return self._centred[SEMI_AXIS_A : SPIN_FACTOR + 1]

@@ -48,7 +48,7 @@ def draw_contact_geometry(
 def draw_tabulated_geometry(contact: Contact, name: str) -> Figure:
     """The same of conical wheels, as the co-simulation reads it; beyond the play the flange's stop takes over."""
     constants = contact.constants
-    y_m = float(constants["first_m"]) + float(constants["step_m"]) * np.arange(NODES)
+    y_m = contact.displacement_m
     rows = constants["table"].transpose(1, 0, 2)[None]
     contacts = np.zeros((1, NODES, 2, COLUMNS))
     for to, column in ((ALONG, PLACE_ALONG), (RADIUS, ROLLING_RADIUS), (TRACK_Y, RAIL_Y), (TRACK_Z, RAIL_Z)):

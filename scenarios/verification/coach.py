@@ -14,7 +14,7 @@ from scenarios.verification.profiles import CONICITIES
 from vehicle import OBSERVATION, POWERS, Actuation, Coach, CoachParameters, CoachState
 from vehicle.modes import bounce_frequencies_hz
 from wheel_rail.adhesion_state import STATE_CELL_M
-from wheel_rail.contact_table import NODES, ROLLING_RADIUS
+from wheel_rail.contact_table import ROLLING_RADIUS
 from wheel_rail.equivalent_conicity import equivalent_conicity
 
 MALVEZZI = "Malvezzi et al. 2014"
@@ -169,10 +169,8 @@ def _energy_kept() -> float:
 def _conicity() -> float:
     """Equivalent conicity at 3 mm of the table from which the coach's contact is read."""
     contact = Line(_scenario()).contact
-    constants = contact.constants
-    displacement_m = constants["first_m"] + constants["step_m"] * np.arange(NODES)
-    left, right = constants["table"][..., ROLLING_RADIUS]
-    return float(equivalent_conicity(displacement_m, left - right, np.array([0.003]), contact.radius_m)[0])
+    left, right = contact.constants["table"][..., ROLLING_RADIUS]
+    return float(equivalent_conicity(contact.displacement_m, left - right, np.array([0.003]), contact.radius_m)[0])
 
 
 def _published_conicity() -> float:

@@ -109,7 +109,7 @@ def test_the_table_ends_where_the_flange_begins(profiles: Contact, geometry: Con
     limit = float(constants["flange_clearance_m"])
     slopes = constants["table"][:, :, SLOPE]
     assert constants["first_m"] == -limit
-    assert constants["first_m"] + (NODES - 1) * constants["step_m"] == pytest.approx(limit, rel=1e-12)
+    assert constants["first_m"] + (NODES - 1) / constants["nodes_per_m"] == pytest.approx(limit, rel=1e-12)
     assert slopes.max() <= FLANGE_SLOPE
     assert slopes.max() == pytest.approx(slopes[0, -1], rel=1e-9)  # the left wheel, displaced to the left
     a_bit_further = geometry.table(np.array([limit + 1e-4]), penetration_m=PENETRATION_M)
@@ -125,7 +125,7 @@ def test_a_displaced_wheelset_rolls_up_on_the_side_to_which_it_moves(profiles: C
 
 def test_cones_are_linear() -> None:
     constants = CONES.constants
-    y_m = constants["first_m"] + constants["step_m"] * np.arange(NODES)
+    y_m = CONES.displacement_m
     for table, sign in zip(constants["table"], (1.0, -1.0), strict=True):
         assert table[:, ROLLING_RADIUS] == pytest.approx(RADIUS_M + 0.05 * sign * y_m, rel=1e-15)
         assert np.all(table[:, SLOPE] == 0.05)
