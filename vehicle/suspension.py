@@ -8,7 +8,7 @@ momentum, angular momentum and energy.
 import math
 
 from vehicle.layout import ELEMENTS
-from wheel_rail.compiled import Array, Record, compiled
+from wheel_rail.compiled import Array, Record, compiled, inlined
 
 
 @compiled
@@ -80,7 +80,7 @@ def _on_curve(x: float, curve: int, coach: Record) -> tuple[float, float]:
     return math.copysign(force, x), slope
 
 
-@compiled
+@inlined
 def _axis_force(deflection: float, speed: float, element: int, axis: int, coach: Record) -> tuple[float, float, float]:
     """Force along one axis of an element, and its slopes over deflection and speed."""
     k = coach.stiffness[element, axis]
@@ -97,7 +97,7 @@ def _axis_force(deflection: float, speed: float, element: int, axis: int, coach:
     return force, k, c
 
 
-@compiled
+@inlined
 def _relative(q: Array, v: Array, coach: Record, e: int, out: Array) -> None:
     """Deflection (3), its speed (3), lever arms of the lower point on upper (3) and lower (3) body: `out` (12,)."""
     u, w = coach.upper[e], coach.lower[e]

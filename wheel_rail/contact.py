@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from wheel_rail.compiled import Array, Record, Vector, compiled
+from wheel_rail.compiled import Array, Record, Vector, compiled, inlined
 from wheel_rail.contact_table import (
     C11,
     C22,
@@ -40,21 +40,21 @@ DIRECTION, LOAD_SHARE, RADIUS_SLOPE, NORMAL_STIFFNESS, NORMAL_TURN, SLIDE_SPEED 
 REPORT = 25
 
 
-@compiled
+@inlined
 def _over_root(x: float) -> float:
     """1/sqrt(1 + x^2) to rounding for the slopes of cant ramps and yawed cones, |x| < 0.01."""
     x2 = x * x
     return 1.0 - 0.5 * x2 * (1.0 - 0.75 * x2 * (1.0 - 5.0 / 6.0 * x2))
 
 
-@compiled
+@inlined
 def _under_root(x: float) -> float:
     """1/sqrt(1 - x^2) to 1e-9 for the sine of a yaw angle, |x| < 0.05."""
     x2 = x * x
     return 1.0 + 0.5 * x2 * (1.0 + 0.75 * x2 * (1.0 + 5.0 / 6.0 * x2))
 
 
-@compiled
+@inlined
 def table_place(displacement_m: float, constants: Record) -> tuple[int, float]:
     """Node of the table below the displacement, and how far on to the next; beyond the table its end."""
     u = (displacement_m - constants.first_m) * constants.nodes_per_m

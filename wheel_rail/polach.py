@@ -9,7 +9,7 @@ calculation computer code, Vehicle System Dynamics Supplement 33 (1999) 728-739 
 import math
 from dataclasses import dataclass
 
-from wheel_rail.compiled import Array, Vector, compiled
+from wheel_rail.compiled import Array, Vector, compiled, inlined
 from wheel_rail.slip import counted_lateral_creep, friction, tangent_with_fall
 
 
@@ -47,7 +47,7 @@ def polach_force(
     return polach_on_curve(creep_x, creep_y, slip_speed_mps, normal_force_n, slip, rail)
 
 
-@compiled
+@inlined
 def polach_slip(
     creep_x: float, creep_y: float, spin_1pm: float, patch: Vector, shear_modulus_pa: float
 ) -> tuple[float, float, float, float]:
@@ -69,7 +69,7 @@ def polach_slip(
     return total, stiffness, spin_stiffness, 9.0 / 16.0 * a * aspect * spin_1pm * per_total
 
 
-@compiled
+@inlined
 def polach_on_curve(
     creep_x: float, creep_y: float, slip_speed_mps: float, normal_force_n: float,
     slip: tuple[float, float, float, float], rail: Array,

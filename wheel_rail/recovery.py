@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, WrapValidator, model_validator
 
-from wheel_rail.compiled import Array, Vector, compiled
+from wheel_rail.compiled import Array, Vector, compiled, inlined
 from wheel_rail.creep_laws import POLACH, creep_force
 from wheel_rail.polach import Surface, polach_on_curve, polach_slip
 
@@ -101,7 +101,7 @@ NamedRecovery = Annotated[RecoveryParameters | None, WrapValidator(_by_name)]
 """A field that takes a preset's name, a path or the parameters themselves, and holds the parameters."""
 
 
-@compiled
+@inlined
 def _growth(z: float) -> float:
     """g = exp(x) with x exp(-x) = z and x <= 1 (Lambert's W: x = -W0(-z)), for z <= 1/e.
 
@@ -125,7 +125,7 @@ def _growth(z: float) -> float:
     return g
 
 
-@compiled
+@inlined
 def share_degraded(
     degraded_n: float, recovered_n: float, tau_mpj: float, energy_jpm: float, way_creep: float
 ) -> tuple[float, float]:
@@ -142,7 +142,7 @@ def share_degraded(
     return min(least * g, 1.0), min(z * g, 1.0)
 
 
-@compiled
+@inlined
 def _curve(condition: Array, at: int) -> Vector:
     """The friction curve that begins at `condition[at]`: a tuple, since a view of the array costs as much as a law."""
     return condition[at], condition[at + 1], condition[at + 2], condition[at + 3], condition[at + 4]
@@ -160,7 +160,7 @@ def _force_on_curve(
     )  # fmt: skip
 
 
-@compiled
+@inlined
 def adhesive_force(
     law: int, address: int, extra: Array, creep_x: float, creep_y: float, spin_1pm: float, slip_speed_mps: float,
     speed_mps: float, normal_force_n: float, patch: Vector, condition: Array, shear_modulus_pa: float,

@@ -2,16 +2,16 @@
 
 import math
 
-from wheel_rail.compiled import Array, compiled
+from wheel_rail.compiled import Array, compiled, inlined
 
 
-@compiled
+@inlined
 def friction(rail: Array, slip_speed_mps: float) -> float:
     """mu(w) = mu0 ((1 - A) exp(-B w) + A), `rail` = (mu0, A, B in s/m, kA, kS). O. Polach, Wear 258 (2005) 992-1000."""
     return rail[0] * ((1.0 - rail[1]) * math.exp(-rail[2] * slip_speed_mps) + rail[1])
 
 
-@compiled
+@inlined
 def tangent_with_fall(
     tangent: float, force_n: float, creep: float, slip_speed_mps: float, mu: float, rail: Array
 ) -> float:
@@ -36,7 +36,7 @@ def total_creep(creep_x: float, creep_y: float, spin_1pm: float, a_m: float) -> 
     return math.sqrt(creep_x * creep_x + counted * counted)
 
 
-@compiled
+@inlined
 def counted_lateral_creep(creep_y: float, spin_1pm: float, a_m: float) -> float:
     """Lateral creepage with spin where spin increases it (etac of `total_creep`)."""
     with_spin = creep_y + spin_1pm * a_m
