@@ -8,7 +8,8 @@ import numpy as np
 
 from scenarios.cosimulation import Line
 from scenarios.schema import Scenario
-from vehicle.coach import SolverFailure, assemble, load_exudyn, solver_settings
+from vehicle.coach import SolverFailure
+from vehicle.exudyn_system import assemble, load_exudyn, solver_settings
 from vehicle.forces import coach_force, wheelset_contact
 from vehicle.jacobian import coach_jacobian
 from vehicle.layout import COORDINATES, SPIN

@@ -12,26 +12,24 @@ handed to `on_step`; what that returns acts from t_k until the next instant. So 
 delay beyond its period; any delay of valves or controllers is the callback's own.
 """
 
-import contextlib
 import gc
-import io
 import math
 import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
+from vehicle.exudyn_system import assemble, load_exudyn, solver_settings
 from vehicle.forces import coach_force
 from vehicle.jacobian import coach_jacobian
-from vehicle.layout import COORDINATES, SPIN, masses
+from vehicle.layout import COORDINATES, SPIN
 from vehicle.observation import OBSERVATION, observe
 from vehicle.parameters import CoachParameters
 from vehicle.start import start_state
-from vehicle.stepping import FRESH, LOST, SPECTRAL_RADIUS, begin_step
+from vehicle.stepping import FRESH, LOST, begin_step
 from wheel_rail import Contact, Track
 from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import address_of
@@ -161,30 +159,6 @@ class Coach:
         )
 
 
-def assemble(mbs: Any, record: np.ndarray, q: np.ndarray, v: np.ndarray) -> int:
-    """Add one node of all coordinates, at q, v (46,), and one object with all masses and forces; returns its number.
-
-    The mass matrix is diagonal and constant: velocities are those of the bodies' own axes, and what remains of a rigid
-    body, omega x J omega, is among the compiled forces. A node and an object for each body, and Exudyn's Lie-group
-    nodes, say the same (`vehicle.layout`) at three times the cost of a step.
-    """
-    from exudyn.itemInterface import NodeGenericODE2, ObjectGenericODE2
-
-    coach = record[0]
-    node = mbs.AddNode(
-        NodeGenericODE2(
-            referenceCoordinates=[0.0] * COORDINATES,
-            initialCoordinates=[*q],
-            initialCoordinates_t=[*v],
-            numberOfODE2Coordinates=COORDINATES,
-        )
-    )
-    number: int = mbs.AddObject(
-        ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.diag(masses(coach)), forceVector=np.zeros(COORDINATES))
-    )
-    return number
-
-
 class _Run:
     """The callbacks of one solve and what they share."""
 
@@ -277,31 +251,3 @@ class _Run:
                 f"{self._lost}, at s = {self._state.position_m:.1f} m, with a step of {1000 * self._step_s:g} ms: "
                 "a smaller simulation.step_s, or a track and coach without such kinks, may help"
             )
-
-
-def load_exudyn() -> ModuleType:
-    """Import Exudyn's build without range checks (a quarter faster; SolveReport tells which build ran)."""
-    sys.exudynFast = True  # type: ignore[attr-defined]
-    with contextlib.redirect_stdout(io.StringIO()):
-        import exudyn
-    exudyn.config.printToConsole = False
-    return exudyn
-
-
-def solver_settings(exu: ModuleType, step_s: float, longest_s: float) -> Any:
-    """Settings of Exudyn's implicit solver for linearised steps with a Jacobian that is kept."""
-    settings = exu.SimulationSettings()
-    integration = settings.timeIntegration
-    integration.numberOfSteps = max(1, round(longest_s / step_s))
-    integration.endTime = integration.numberOfSteps * step_s
-    integration.generalizedAlpha.spectralRadius = SPECTRAL_RADIUS
-    integration.adaptiveStep = False
-    integration.verboseMode = 0
-    integration.stepInformation = 0
-    integration.newton.active = False
-    integration.newton.useModifiedNewton = True
-    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
-    settings.parallel.numberOfThreads = 1
-    settings.solution.file.write = False
-    settings.solution.sensors.active = False
-    return settings
