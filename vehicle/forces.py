@@ -55,33 +55,13 @@ def wheelset_contact(
     frame = coach.frame[i]
     contact = coach.contact
     wheel_contact(
-        1,
-        position,
-        axle,
-        velocity,
-        carrier,
-        spin_radps,
-        frame,
-        contact,
-        coach.condition[0, i],
-        normal,
-        creep,
+        1, position, axle, velocity, carrier, spin_radps, frame, contact, coach.condition[0, i], normal, creep,
         report[0],
-    )
+    )  # fmt: skip
     wheel_contact(
-        -1,
-        position,
-        axle,
-        velocity,
-        carrier,
-        spin_radps,
-        frame,
-        contact,
-        coach.condition[1, i],
-        normal,
-        creep,
+        -1, position, axle, velocity, carrier, spin_radps, frame, contact, coach.condition[1, i], normal, creep,
         report[1],
-    )
+    )  # fmt: skip
     flange_force(position, frame, contact, normal)
     for force in (normal, creep):
         a, b, c = force[3], force[4], force[5]

@@ -1,8 +1,8 @@
 """The Jacobian that the implicit solver needs, analytic, at the state of the last evaluation of the forces.
 
 It is -(df/dq factor_q + df/dv factor_v); turns are increments in body axes. Left out, because they are small against
-mass over step squared: geometric stiffness, gyroscopic terms of the bodies, and the
-part of Kalker's C22 over C11 in the direction of the creep force.
+mass over step squared: geometric stiffness, gyroscopic terms of the bodies, the turn of the contact's own axes, and the
+part of spin and of the difference between C11 and C22 in the direction of the creep force.
 """
 
 import math
