@@ -197,28 +197,28 @@ class _Loop:
 
     def _tick(self, t_s: float, state: CoachState) -> bool:
         """Everything that happens each 10 ms; False ends the run."""
-        position_m, speed_mps = state.position_m, state.speed_mps
-        if self._ticks % _PROGRESS_TICKS == 0:
+        ticks, speed_mps = self._ticks, state.speed_mps
+        if ticks % _PROGRESS_TICKS == 0:
             if self._stop_requested():
                 raise RunInterrupted
-            self._on_progress(t_s, position_m, speed_mps)
-        if not self._first_m <= position_m <= self._last_m:
-            self.off_the_line = True
+            self._on_progress(t_s, state.position_m, speed_mps)
         tachometers = self._tachometers
         tachometers.advance(t_s, state.wheel_angle_rad, state.wheel_rate_radps)
-        ticks = self._ticks
         if ticks == len(self._seen):
             self._seen = np.concatenate([self._seen, np.zeros_like(self._seen)])
-        self._seen[ticks, :4] = tachometers.axle_speed_mps
-        self._seen[ticks, 4:] = tachometers.valid
+        self._seen[ticks] = tachometers.front_end
         # what each answered at its last tick comes into force, then it answers anew
-        if self._ticks % _TICKS_PER_DRIVER == 0:
+        if ticks % _TICKS_PER_DRIVER == 0:
+            position_m = state.position_m
+            # the track goes on beyond its ends for farther than a coach gets between two looks
+            if not self._first_m <= position_m <= self._last_m:
+                self.off_the_line = True
             driver = self._driver
             self._actuation.drive_torque_nm[:] = 0.25 * driver.traction_n * self._radius_m
             self._demand = driver.demand
             driver.step(position_m, speed_mps)
-        if self._ticks % self._ticks_per_control == 0:
-            self._valve[:] = self._answer
+        if ticks % self._ticks_per_control == 0:
+            self._valve, self._answer = self._answer, self._valve
             self._sand[:] = self._output.sand
             self._output = self._controller.step(
                 t_s, tachometers.axle_speed_mps, tachometers.valid, self._demand, 1, math.nan
@@ -226,7 +226,7 @@ class _Loop:
             self._answer[:] = self._output.valve
         if len(self._sanders.rows):
             self._sanders.step(self._sand)
-        self._ticks += 1
+        self._ticks = ticks + 1
         self.stopped = self._stands(speed_mps)
         return not (self.stopped or self.off_the_line)
 

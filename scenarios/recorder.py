@@ -15,14 +15,27 @@ _STILL_MPS = 0.1  # below this slip has no meaning and is recorded as zero
 
 
 class Recorder:
-    """One row of coach and brake per call of `record`."""
+    """One row of coach and brake per call of `record`, in blocks: what is written is not copied again in the run."""
 
     _BRAKE_COLUMNS = 21
+    _BLOCK = 4096
 
     def __init__(self) -> None:
-        self._motion = np.zeros(8192, OBSERVATION)
-        self._brake = np.zeros((8192, self._BRAKE_COLUMNS))
+        self._full: list[tuple[np.ndarray, np.ndarray]] = []
+        self._begin_block()
+
+    def _begin_block(self) -> None:
+        self._motion = np.zeros(self._BLOCK, OBSERVATION)
+        self._brake = np.zeros((self._BLOCK, self._BRAKE_COLUMNS))
         self._rows = 0
+
+    @property
+    def _motion_rows(self) -> np.ndarray:
+        return np.concatenate([*(motion for motion, _ in self._full), self._motion[: self._rows]])
+
+    @property
+    def _brake_rows(self) -> np.ndarray:
+        return np.concatenate([*(brake for _, brake in self._full), self._brake[: self._rows]])
 
     def record(
         self,
@@ -34,10 +47,10 @@ class Recorder:
         output: ControllerOutput,
     ) -> None:
         """Write what is true at `t_s`; the brake as it stands before the step that begins there."""
+        if self._rows == self._BLOCK:
+            self._full.append((self._motion, self._brake))
+            self._begin_block()
         n = self._rows
-        if n == len(self._motion):
-            self._motion = np.concatenate([self._motion, np.zeros_like(self._motion)])
-            self._brake = np.concatenate([self._brake, np.zeros_like(self._brake)])
         state.observe(t_s, self._motion, n)
         row = self._brake[n]
         row[0] = demand
@@ -49,10 +62,10 @@ class Recorder:
 
     def brake_stream(self) -> BrakeStream:
         """Brake, valves and what the WSP sees."""
-        rows = self._brake[: self._rows]
+        rows = self._brake_rows
         plant = rows[:, 10:21]
         return BrakeStream(
-            t_s=self._motion["t_s"][: self._rows],
+            t_s=self._motion_rows["t_s"],
             demand=rows[:, 0],
             reference_speed_mps=rows[:, 1],
             axle_speed_mps=rows[:, 2:6],
@@ -65,7 +78,7 @@ class Recorder:
 
     def motion_stream(self, track: Track) -> MotionStream:
         """The carbody's motion, and the track where it is."""
-        rows = self._motion[: self._rows]
+        rows = self._motion_rows
         position = rows["position_m"]
         copied = ("t_s", "position_m", "speed_mps", "acceleration_mps2", "roll_rad", "pitch_rad", "yaw_rad",
                   "specific_force_mps2", "angular_rate_radps", "angular_acceleration_radps2", "kinetic_energy_j",
@@ -80,7 +93,7 @@ class Recorder:
 
     def wheelset_stream(self, contact: Contact) -> WheelsetStream:
         """Wheelsets; `contact` for the peak adhesion on offer, a centred wheel's."""
-        rows = self._motion[: self._rows]
+        rows = self._motion_rows
         speed = rows["wheelset_speed_mps"]
         moving = np.abs(speed) > _STILL_MPS
         slip = np.where(moving, (speed - rows["rim_speed_mps"]) / np.where(moving, speed, 1.0), 0.0)

@@ -74,6 +74,8 @@ class Tachometers:
         self._count = 0
         self._now_s = -math.inf
         self.axle_speed_mps: FloatArray = self._state[pulse_edges.SPEED]
+        self.front_end: FloatArray = self._state[pulse_edges.SPEED : pulse_edges.VALID + 1].reshape(8)
+        """(8,) the speeds and, as 1 or 0, whether they are valid; a view like them."""
         self.valid: BoolArray = np.zeros(4, np.bool_)
         self._all_valid = False
 

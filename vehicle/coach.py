@@ -208,7 +208,7 @@ class _Run:
                     return False
                 capacity[:] = answer.brake_torque_nm
                 drive[:] = answer.drive_torque_nm
-                if len(answer.sanders):
+                if answer.sanders.size:
                     coach["sander_count"] = len(answer.sanders)
                     coach["sanders"][: len(answer.sanders)] = answer.sanders
             self.steps = steps + 1
