@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from scenarios.cosimulation import Line
+from scenarios.cosimulation.line import Line
 from scenarios.metrics import stop_span
 from scenarios.schema import Scenario
 from scenarios.truth import Truth

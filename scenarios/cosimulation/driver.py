@@ -19,6 +19,9 @@ class DriverPhase(BaseModel):
         default=None, gt=0.0, le=1.0, description="share of full service; for action = 'brake' only"
     )
 
+    sand: bool = Field(default=False, description="the driver sands, at every sander")
+    track_brake: bool = Field(default=False, description="the driver has the magnetic track brakes on")
+
     @model_validator(mode="after")
     def _has_what_it_needs(self) -> Self:
         for key, action in (("speed_kmh", "hold"), ("demand", "brake")):
@@ -68,9 +71,11 @@ class Driver:
         self._integral_n = 0.0
         self.traction_n = 0.0
         self.demand = 0.0
+        self.sand = False
+        self.track_brake = False
 
     def step(self, position_m: float, speed_mps: float) -> None:
-        """One tick: update `traction_n` (whole coach, >= 0) and `demand` (0..1)."""
+        """One tick: update `traction_n` (whole coach, >= 0), `demand` (0..1), `sand` and `track_brake`."""
         phases = self._parameters.phases
         while self._phase + 1 < len(phases) and position_m >= phases[self._phase + 1].from_m:
             self._phase += 1
@@ -88,3 +93,4 @@ class Driver:
         rise = self._parameters.traction_rise_nps * self._period_s
         self.traction_n = min(max(wanted, self.traction_n - rise), self.traction_n + rise)
         self.demand = phase.demand or 0.0
+        self.sand, self.track_brake = phase.sand, phase.track_brake
