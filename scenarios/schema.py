@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, field_validat
 from estimators.interface import Estimator
 from scenarios.cosimulation.driver import DriverParameters
 from scenarios.cosimulation.fault_entries import FaultEntry
+from scenarios.cosimulation.traction import TractionParameters
 from scenarios.names import find_class, find_creep_law
 from sensors import BaliseParameters, ImuParameters, TachometerParameters
 from vehicle import CoachParameters
@@ -116,6 +117,7 @@ class Scenario(Section):
     creep_law: CreepLawParameters
     sanding: SandingParameters
     driver: DriverParameters
+    traction: TractionParameters
     brake: BrakeParameters
     wsp: WspParameters
     faults: tuple[FaultEntry, ...] = ()

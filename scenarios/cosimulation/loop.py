@@ -13,6 +13,7 @@ from scenarios.cosimulation.line import Line
 from scenarios.cosimulation.outside import Outside, View
 from scenarios.cosimulation.recorder import Recorder
 from scenarios.cosimulation.reference import EstimatedReference
+from scenarios.cosimulation.traction import Traction
 from scenarios.errors import RunInterrupted
 from scenarios.schema import TICK_S, Scenario, SimulationParameters
 from scenarios.truth import SolveRecord, Truth, rail_stream
@@ -63,14 +64,15 @@ class Loop:
         self.period_s = loop_period_s(simulation)
         self._periods_per_tick = round(TICK_S / self.period_s)
         self._periods_per_record = round(simulation.record_period_s / self.period_s)
-        self._radius_m = 0.5 * scenario.coach.wheelset.wheel_diameter_m
+        radius_m = 0.5 * scenario.coach.wheelset.wheel_diameter_m
         self.tachometers = Tachometers(
             scenario.tachometers, random_stream(scenario.scenario.world_seed, TACHOMETER_STREAM, 0)
         )
         self._controller = scenario.make_controller()
         self._controller.reset(0.0, 1)
         self._ticks_per_control = round(self._controller.period_s / TICK_S)
-        self._driver = Driver(scenario.driver, DRIVER_PERIOD_S)
+        self._driver = Driver(scenario.driver, scenario.traction, DRIVER_PERIOD_S)
+        self._traction = Traction(scenario.traction, radius_m, TICK_S)
         self.brake = Brake(scenario.brake, self.period_s)
         name = scenario.wsp.reference_estimator
         self._reference = None if name is None else EstimatedReference(scenario, name)
@@ -83,7 +85,8 @@ class Loop:
         self._actuation = Actuation(self._sanders.rows)
         self._rail_before = line.state.table.copy()
         self._output = ControllerOutput()
-        self._demand = 0.0
+        self._demand = self._traction_n = 0.0
+        self._drives = False
         self._driver_sands = self._driver_brakes_track = False
         self._periods = 0
         self._ticks = 0
@@ -135,6 +138,8 @@ class Loop:
             self._look_around(t_s)
             if self.stopped or self.off_the_line:
                 return False
+        if self._drives or self._traction_n != 0.0:
+            self._work_traction()
         if self._outside is not None:
             return self._ask_outside(self._outside, t_s)
         if self._reference is not None and ticks > 0 and self._reference.due(t_s - TICK_S):
@@ -181,9 +186,16 @@ class Loop:
         self.stopped = bool(still and self._demand > 0.0 and self._outside is None)
 
     def _drive(self, traction_n: float, demand: float) -> None:
-        self._numbers["drive_torque_nm"] = 0.25 * traction_n * self._radius_m
         self._numbers["demand"] = self._demand = demand
-        self._view.traction_n, self._view.demand = traction_n, demand
+        self._traction_n = self._view.traction_n = traction_n
+        self._view.demand = demand
+
+    def _work_traction(self) -> None:
+        """What the drive answered at the last tick comes into force, then it answers anew."""
+        traction = self._traction
+        self._drives = bool(traction.torque_nm.any())
+        self._numbers["drive_torque_nm"] = traction.torque_nm
+        traction.step(self._traction_n, self._axle_speed, self._valid)
 
     def _control(self, t_s: float) -> None:
         """What the controller answered at its last tick is in force by now; it answers anew."""

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ValidationError
 
 from scenarios.cosimulation import simulation
 from scenarios.cosimulation.driver import Driver, DriverParameters
+from scenarios.cosimulation.traction import TractionParameters
 from scenarios.cosimulation.loop import Loop
 from scenarios.cosimulation.simulation import simulate
 from scenarios.errors import SolveFailed
@@ -228,7 +229,7 @@ def phases(*items: dict[str, Any]) -> DriverParameters:
 
 def test_driver_holds_a_speed_on_a_point_mass() -> None:
     """56 t against 2.5 kN: after the start the speed stays within 0.1 km/h."""
-    driver = Driver(phases({"from_m": 0.0, "action": "hold", "speed_kmh": 120.0}), 0.1)
+    driver = Driver(phases({"from_m": 0.0, "action": "hold", "speed_kmh": 120.0}), TractionParameters(), 0.1)
     speed, history = 119.0 / 3.6, []
     for _ in range(1200):
         driver.step(0.0, speed)
@@ -245,6 +246,7 @@ def test_driver_goes_through_its_phases_and_limits_the_rise_of_traction() -> Non
             {"from_m": 100.0, "action": "coast"},
             {"from_m": 200.0, "action": "brake", "demand": 0.5},
         ),
+        TractionParameters(),
         0.1,
     )
     forces = []
