@@ -192,7 +192,7 @@ class _Loop:
             self._recorder.record(t_s, state, self._demand, self._brake, self._tachometers.axle_speed_mps, self._output)
         self._periods = periods + 1
         actuation = self._actuation
-        actuation.brake_torque_nm = self._brake.step(self._demand, self._valve)
+        actuation.brake_torque_nm = self._brake.step(self._demand, self._valve, state.wheel_rate_radps, state.speed_mps)
         return actuation
 
     def _tick(self, t_s: float, state: CoachState) -> bool:

@@ -17,7 +17,7 @@ _STILL_MPS = 0.1  # below this slip has no meaning and is recorded as zero
 class Recorder:
     """One row of coach and brake per call of `record`, in blocks: what is written is not copied again in the run."""
 
-    _BRAKE_COLUMNS = 21
+    _BRAKE_COLUMNS = 20
     _BLOCK = 4096
 
     def __init__(self) -> None:
@@ -57,23 +57,25 @@ class Recorder:
         row[1] = output.reference_speed_mps
         row[2:6] = axle_speed_mps
         row[6:10] = brake.valve_state
-        row[10:21] = brake.plant_state
+        row[10] = brake.distributor_pressure_bar
+        row[11] = brake.air_nl
+        row[12:16] = brake.cylinder_pressure_bar
+        row[16:20] = brake.record["torque_nm"][0]
         self._rows = n + 1
 
     def brake_stream(self) -> BrakeStream:
         """Brake, valves and what the WSP sees."""
         rows = self._brake_rows
-        plant = rows[:, 10:21]
         return BrakeStream(
             t_s=self._motion_rows["t_s"],
             demand=rows[:, 0],
             reference_speed_mps=rows[:, 1],
             axle_speed_mps=rows[:, 2:6],
             valve=rows[:, 6:10].astype(np.int8),
-            distributor_pressure_bar=plant[:, Brake.DISTRIBUTOR],
-            air_nl=plant[:, Brake.DRAWN],
-            cylinder_pressure_bar=plant[:, Brake.CYLINDER],
-            friction_torque_capacity_nm=plant[:, Brake.TORQUE],
+            distributor_pressure_bar=rows[:, 10],
+            air_nl=rows[:, 11],
+            cylinder_pressure_bar=rows[:, 12:16],
+            friction_torque_capacity_nm=rows[:, 16:20],
         )
 
     def motion_stream(self, track: Track) -> MotionStream:

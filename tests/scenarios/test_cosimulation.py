@@ -208,8 +208,8 @@ def test_a_track_too_short_says_so_and_keeps_what_it_had() -> None:
 def test_a_solve_that_breaks_down_keeps_what_it_had(monkeypatch: pytest.MonkeyPatch) -> None:
     steps = cosimulation.Brake.step
 
-    def broken(self: Any, demand: float, valve: Any) -> Any:
-        torque = steps(self, demand, valve)
+    def broken(self: Any, *inputs: Any) -> Any:
+        torque = steps(self, *inputs)
         return torque * (math.nan if self.cylinder_pressure_bar[0] > 1.0 else 1.0)
 
     monkeypatch.setattr(cosimulation.Brake, "step", broken)
