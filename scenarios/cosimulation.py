@@ -29,6 +29,7 @@ from vehicle import Actuation, Coach, CoachState, SolveReport, SolverFailure
 from wheel_rail import Adhesion, Contact, RailState, Track
 from wheel_rail.sanding import Sanders
 from wsp import Brake, ControllerOutput
+from wsp.foreign.errors import ControllerFailed
 
 # numbers of the random streams that hang on the world seed
 RAIL_STREAM = 100
@@ -100,7 +101,8 @@ def simulate(scenario: Scenario, on_progress: OnProgress, stop_requested: Callab
     """Run the scenario until the coach stands or its time is over.
 
     `on_progress(t_s, position_m, speed_mps)` is called every 0.2 s of simulated time; `stop_requested` is polled as
-    often. Raises RunInterrupted when it says so, SolveFailed with the truth so far when the integration breaks down.
+    often. Raises RunInterrupted when it says so, SolveFailed with the truth so far when the integration or a foreign
+    controller breaks down.
     """
     line = Line(scenario)
     coach = Coach(scenario.coach, line.contact, line.track, line.rail)
@@ -116,8 +118,10 @@ def simulate(scenario: Scenario, on_progress: OnProgress, stop_requested: Callab
             loop.on_step,
             loop.period_s,
         )
-    except SolverFailure as failure:
+    except (SolverFailure, ControllerFailed) as failure:
         raise SolveFailed(str(failure), loop.truth(None) if loop.has_rows else None) from failure
+    finally:
+        loop.close()
     if loop.off_the_line:
         raise SolveFailed(
             f"the coach left the track, which reaches from 0 to track.length_m = {scenario.track.length_m}, "
@@ -134,7 +138,10 @@ def _compile(scenario: Scenario) -> None:
     loop = _Loop(scenario, line, lambda *_: None, lambda: False)
     simulation = scenario.simulation
     speed_mps = simulation.initial_speed_kmh / KMH_PER_MPS
-    coach.run(simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_step, loop.period_s)
+    try:
+        coach.run(simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_step, loop.period_s)
+    finally:
+        loop.close()
 
 
 class _Loop:
@@ -178,6 +185,12 @@ class _Loop:
         self.off_the_line = False
         self.stopped = False
 
+    def close(self) -> None:
+        """End what the controller holds outside of this process, if anything."""
+        close = getattr(self._controller, "close", None)
+        if close is not None:
+            close()
+
     @property
     def has_rows(self) -> bool:
         """Whether anything has been recorded."""
@@ -189,7 +202,16 @@ class _Loop:
         if periods % self._periods_per_tick == 0 and not self._tick(t_s, state):
             return None
         if periods % self._periods_per_record == 0:
-            self._recorder.record(t_s, state, self._demand, self._brake, self._tachometers.axle_speed_mps, self._output)
+            self._recorder.record(
+                t_s,
+                state,
+                self._demand,
+                self._brake,
+                self._tachometers.axle_speed_mps,
+                self._output,
+                self._valve,
+                self._sand,
+            )
         self._periods = periods + 1
         actuation = self._actuation
         actuation.brake_torque_nm = self._brake.step(self._demand, self._valve)

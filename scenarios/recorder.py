@@ -17,7 +17,7 @@ _STILL_MPS = 0.1  # below this slip has no meaning and is recorded as zero
 class Recorder:
     """One row of coach and brake per call of `record`, in blocks: what is written is not copied again in the run."""
 
-    _BRAKE_COLUMNS = 21
+    _BRAKE_COLUMNS = 29
     _BLOCK = 4096
 
     def __init__(self) -> None:
@@ -45,6 +45,8 @@ class Recorder:
         brake: Brake,
         axle_speed_mps: np.ndarray,
         output: ControllerOutput,
+        valve_command: np.ndarray,
+        sand_command: np.ndarray,
     ) -> None:
         """Write what is true at `t_s`; the brake as it stands before the step that begins there."""
         if self._rows == self._BLOCK:
@@ -58,6 +60,8 @@ class Recorder:
         row[2:6] = axle_speed_mps
         row[6:10] = brake.valve_state
         row[10:21] = brake.plant_state
+        row[21:25] = valve_command
+        row[25:29] = sand_command
         self._rows = n + 1
 
     def brake_stream(self) -> BrakeStream:
@@ -70,6 +74,8 @@ class Recorder:
             reference_speed_mps=rows[:, 1],
             axle_speed_mps=rows[:, 2:6],
             valve=rows[:, 6:10].astype(np.int8),
+            valve_command=rows[:, 21:25].astype(np.int8),
+            sand_command=rows[:, 25:29].astype(np.int8),
             distributor_pressure_bar=plant[:, Brake.DISTRIBUTOR],
             air_nl=plant[:, Brake.DRAWN],
             cylinder_pressure_bar=plant[:, Brake.CYLINDER],

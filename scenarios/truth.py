@@ -76,6 +76,8 @@ class BrakeStream(Stream):
     distributor_pressure_bar: FloatArray = quantity("bar", about="gauge pressure at the distributor's output")
     cylinder_pressure_bar: FloatArray = quantity("bar", WHEELSETS, about="gauge pressure in the cylinders of the axle")
     valve: Int8Array = quantity("1", WHEELSETS, about="state of the valves: 0 fill, 1 hold, 2 vent", dtype=np.int8)
+    valve_command: Int8Array = quantity("1", WHEELSETS, about="in force, before the valves' dead time", dtype=np.int8)
+    sand_command: Int8Array = quantity("1", WHEELSETS, about="1 where the sander is to work", dtype=np.int8)
     friction_torque_capacity_nm: FloatArray = quantity("N m", WHEELSETS, about="largest friction torque of the discs")
     axle_speed_mps: FloatArray = quantity("m/s", WHEELSETS, about="speed as the wheel slide protection sees it")
     reference_speed_mps: FloatArray = quantity("m/s", about="of the wheel slide protection; nan where it has none")
