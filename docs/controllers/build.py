@@ -1,6 +1,6 @@
 """Builds the example controller as a C library and as FMUs of FMI 2.0 and 3.0.
 
-    python docs/controllers/build.py [FOLDER]      # needs: pip install 'railslide[fmu]', nothing else
+    python docs/controllers/build.py FOLDER      # needs: pip install 'railslide[fmu]', nothing else
 
 Copy it for a controller of your own: `library` compiles one, `fmu` packs one, with your parameters in PARAMETERS.
 The compiler is the ziglang package's; any other that makes shared libraries does as well.
@@ -15,8 +15,10 @@ from xml.sax.saxutils import quoteattr
 
 import fmpy
 
+import wsp.foreign
+
 HERE = Path(__file__).parent
-HEADER = HERE.parents[1] / "wsp" / "foreign"
+HEADER = Path(wsp.foreign.__file__).parent  # where railslide_controller.h lies
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 PARAMETERS = {
@@ -167,7 +169,9 @@ def _description3(name: str, token: str, parameters: dict[str, float]) -> str:
 
 
 def main() -> None:
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else HERE
+    if len(sys.argv) != 2:
+        sys.exit("usage: python build.py FOLDER")
+    folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
     source = HERE / "example_controller.c"
     print(library([source], folder / f"example_controller{fmpy.sharedLibraryExtension}"))
