@@ -43,7 +43,14 @@ def built_controllers(tmp_path_factory: pytest.TempPathFactory) -> Path:
             assert time.monotonic() < give_up_s, "the other worker has not built the controllers"
             time.sleep(0.1)
         return folder
-    build = imported(EXAMPLES / "build.py")
+    try:
+        _build(imported(EXAMPLES / "build.py"), folder)
+    finally:
+        (folder / "done").touch()
+    return folder
+
+
+def _build(build: ModuleType, folder: Path) -> None:
     with pytest.MonkeyPatch.context() as patch:
         for name in ("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR"):
             patch.setenv(name, str(folder / "zig"))
@@ -54,5 +61,3 @@ def built_controllers(tmp_path_factory: pytest.TempPathFactory) -> Path:
         build.library([MISBEHAVING], folder / "misbehaving.so")
         build.library([MISBEHAVING], folder / "another_version.so", "-DVERSION=7")
         build.fmu(2, MISBEHAVING, "misbehaving2", folder, {"deed": 0.0, "at_s": 0.0})
-    (folder / "done").touch()
-    return folder

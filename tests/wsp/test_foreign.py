@@ -25,8 +25,8 @@ VALID = np.ones(4, bool)
 
 # as in misbehaving_controller.c
 DEEDS = {
-    "crash": 1, "exit": 2, "hang": 3, "nan": 4, "infinite": 5, "valve": 6, "sand": 7, "error": 8, "silent": 9,
-    "chatter": 10, "refuse": 20, "crash at start": 21, "hang at start": 22, "fork at start": 23,
+    "good": 0, "crash": 1, "exit": 2, "hang": 3, "nan": 4, "infinite": 5, "valve": 6, "sand": 7, "error": 8,
+    "silent": 9, "chatter": 10, "refuse": 20, "crash at start": 21, "hang at start": 22, "fork at start": 23,
 }  # fmt: skip
 
 Load = Callable[..., ForeignController]
@@ -168,6 +168,13 @@ def test_a_chatty_controller_neither_blocks_nor_reaches_the_terminal(
     assert capfd.readouterr() == ("", "")
 
 
+def test_a_closed_controller_says_so(load: Load) -> None:
+    controller = load("example.so")
+    controller.close()
+    with pytest.raises(ControllerFailed, match="has been closed"):
+        step(controller)
+
+
 def test_nothing_is_left_of_what_the_controller_started(load: Load) -> None:
     controller = load("misbehaving.so", deed=DEEDS["fork at start"])
     pid = controller._process.pid
@@ -185,20 +192,23 @@ def test_its_process_ends_with_the_object(built_controllers: Path) -> None:
 
 
 PARENT = """
-import sys, numpy
+import sys, time, numpy
 from pathlib import Path
 from wsp.foreign.controller import foreign_controller
 from wsp.foreign.parameters import ForeignParameters
-controller = foreign_controller(Path(sys.argv[1]))(ForeignParameters(deed=3, process={"tick_limit_s": 60.0}))
+controller = foreign_controller(Path(sys.argv[1]))(ForeignParameters(deed=int(sys.argv[2])))
 controller.reset(0.0, 1)
 print(controller._process.pid, flush=True)
-controller.step(0.0, numpy.zeros(4), numpy.ones(4, bool), 1.0, 1, numpy.nan)
+while True:
+    controller.step(0.0, numpy.zeros(4), numpy.ones(4, bool), 1.0, 1, numpy.nan)
+    time.sleep(60.0)
 """
 
 
-def test_a_hanging_controller_dies_with_a_parent_that_is_killed(built_controllers: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("deed", ["good", "hang"])
+def test_a_controller_dies_with_a_parent_that_is_killed(built_controllers: Path, tmp_path: Path, deed: str) -> None:
     with subprocess.Popen(
-        [sys.executable, "-c", PARENT, str(built_controllers / "misbehaving2.fmu")],
+        [sys.executable, "-c", PARENT, str(built_controllers / "misbehaving2.fmu"), str(DEEDS[deed])],
         stdout=subprocess.PIPE,
         text=True,
         env={**os.environ, "TMPDIR": str(tmp_path)},

@@ -35,7 +35,7 @@ class ForeignController:
         self._limit_s = limits.tick_limit_s
         self._output = ControllerOutput()
         task = {
-            "file": str(self.file.resolve()),
+            "file": str(self.file.absolute()),
             "period_s": limits.period_s,
             "parameters": parameters.own,
             "variables": parameters.variables,

@@ -47,15 +47,20 @@ class WorkerProcess:
         if os.name != "posix":
             raise Broken("needs Linux or macOS: its process could not be kept in bounds on this system")
         folder = tempfile.mkdtemp(prefix="railslide-fmu-") if task["file"].endswith(".fmu") else None
-        child = subprocess.Popen(
-            [sys.executable, "-P", "-c", _START, str(_PACKAGE), json.dumps({**task, "folder": folder})],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            bufsize=0,
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
-            start_new_session=True,  # Ctrl-C and the terminal are the parent's alone
-        )
+        try:
+            child = subprocess.Popen(
+                [sys.executable, "-P", "-c", _START, str(_PACKAGE), json.dumps({**task, "folder": folder})],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                bufsize=0,
+                env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+                start_new_session=True,  # Ctrl-C and the terminal are the parent's alone
+            )
+        except OSError as error:
+            if folder is not None:
+                shutil.rmtree(folder)
+            raise Broken(f"its process cannot be started: {error.strerror}") from None
         self.pid = child.pid
         self.close = weakref.finalize(self, _end, child, folder)
         """Let the controller say farewell and end its process; goes by itself when this object does."""
@@ -72,6 +77,8 @@ class WorkerProcess:
 
     def ask(self, request: bytes, limit_s: float) -> bytes:
         """The reply to a request. Raises Broken."""
+        if not self.close.alive:  # the numbers of its pipes may belong to other files by now
+            raise Broken("has been closed")
         try:
             os.write(self._requests, request)
         except BrokenPipeError:
@@ -105,7 +112,8 @@ class WorkerProcess:
         with contextlib.suppress(BlockingIOError):
             part = os.read(self._output, 65536)
             if not part:
-                self._poll.unregister(self._output)
+                with contextlib.suppress(KeyError):
+                    self._poll.unregister(self._output)
             self._words = (self._words + part)[-_WORDS_KEPT:]
 
     def _died(self) -> NoReturn:

@@ -44,7 +44,8 @@ def main() -> None:
         _answer(replies, reply, f"cannot be loaded: {type(error).__name__}: {error}")
         return
     _answer(replies, reply)
-    _serve(loaded, requests, replies, reply)
+    if not _serve(loaded, requests, replies, reply):
+        _vanish(task["folder"])
 
 
 def _load(task: dict[str, Any]) -> Loaded:
@@ -58,7 +59,8 @@ def _load(task: dict[str, Any]) -> Loaded:
     return LibraryController(file, period_s, parameters)
 
 
-def _serve(loaded: Loaded, requests: io.FileIO, replies: io.FileIO, reply: bytearray) -> None:
+def _serve(loaded: Loaded, requests: io.FileIO, replies: io.FileIO, reply: bytearray) -> bool:
+    """Answer until told to end; False if the pipe ended before that."""
     request = bytearray(REQUEST.size)
     given = Input.from_buffer(request, BODY_AT)
     answer = Output.from_buffer(reply, BODY_AT)
@@ -71,7 +73,7 @@ def _serve(loaded: Loaded, requests: io.FileIO, replies: io.FileIO, reply: bytea
         try:
             if asked == END:
                 loaded.end()
-                return
+                return True
             if asked == RESET:
                 loaded.reset(given.t_s, given.direction)
             else:
@@ -79,6 +81,7 @@ def _serve(loaded: Loaded, requests: io.FileIO, replies: io.FileIO, reply: bytea
         except Exception as error:
             text = str(error) or type(error).__name__
         _answer(replies, reply, text)
+    return False
 
 
 def _answer(replies: io.FileIO, reply: bytearray, text: str = "") -> None:
@@ -123,9 +126,14 @@ def _end_with_parent(requests: int, folder: str | None) -> None:
     poll = select.poll()
     poll.register(requests, 0)  # not for input: for the end alone
     poll.poll()
+    _vanish(folder)
+
+
+def _vanish(folder: str | None) -> None:
+    """Leave nothing behind: neither the folder nor what the controller may have started."""
     if folder is not None:
         shutil.rmtree(folder, ignore_errors=True)
-    if os.getpgrp() == os.getpid():  # and whatever the controller has started
+    if os.getpgrp() == os.getpid():
         os.killpg(0, signal.SIGKILL)
     os._exit(1)
 
