@@ -82,12 +82,13 @@ class Loop:
         self._recorder = Recorder()
         self._first_m, self._last_m = line.places_m
         self._sanders = Sanders(scenario.sanding, TICK_S)
+        self._sands = bool(scenario.sanding.sanders)
         self._actuation = Actuation(self._sanders.rows)
         self._rail_before = line.state.table.copy()
         self._output = ControllerOutput()
         self._demand = self._traction_n = 0.0
         self._drives = False
-        self._driver_sands = self._driver_brakes_track = False
+        self._driver_sands = self._driver_brakes_track = self._magnets = False
         self._periods = 0
         self._ticks = 0
         self._seen = np.zeros((_FIRST_TICKS, 8))  # axle speeds and whether they are valid, one row per tick
@@ -104,7 +105,14 @@ class Loop:
         self._numbers = numbers
         self._address = address_of(self.record)
         self._answer, self._valid = numbers["answer"], numbers["valid"].view(np.bool_)
+        self._sand = numbers["sand"].view(np.bool_)
         self._axle_speed = self.tachometers.axle_speed_mps
+
+    def close(self) -> None:
+        """End what the controller holds outside of this process, if anything."""
+        close = getattr(self._controller, "close", None)
+        if close is not None:
+            close()
 
     @property
     def has_rows(self) -> bool:
@@ -232,9 +240,14 @@ class Loop:
         return True
 
     def _sand_and_track_brake(self, output: ControllerOutput) -> None:
-        if len(self._sanders.rows):
-            self._sanders.step(output.sand | self._driver_sands)
-        self.brake.track_brake_on = output.track_brake or self._driver_brakes_track
+        if self._sands:
+            self._sand[:] = output.sand
+            if self._driver_sands:
+                self._sand[:] = True
+            self._sanders.step(self._sand)
+        magnets = output.track_brake or self._driver_brakes_track
+        if magnets != self._magnets:
+            self._magnets = self.brake.track_brake_on = magnets
 
     def truth(self, report: SolveReport | None) -> Truth:
         """The streams recorded; `report` None when the solve broke down."""

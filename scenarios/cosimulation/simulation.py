@@ -20,6 +20,7 @@ from scenarios.schema import TICK_S, Scenario
 from scenarios.truth import Truth
 from scenarios.units import KMH_PER_MPS
 from vehicle import Coach, SolverFailure
+from wsp.foreign.errors import ControllerFailed
 
 OnProgress = Callable[[float, float, float], None]
 
@@ -34,7 +35,7 @@ def simulate(
 
     `on_progress(t_s, position_m, speed_mps)` is called every 0.2 s of simulated time; `stop_requested` is polled as
     often. `outside` takes the place of the scenario's controller. Raises RunInterrupted when asked to stop, SolveFailed
-    with the truth so far when the integration breaks down.
+    with the truth so far when the integration or a foreign controller breaks down.
     """
     line = Line(scenario)
     coach = Coach(scenario.coach, line.contact, line.track, line.rail)
@@ -50,8 +51,10 @@ def simulate(
             loop.on_step,
             loop.period_s,
         )
-    except SolverFailure as failure:
+    except (SolverFailure, ControllerFailed) as failure:
         raise SolveFailed(str(failure), loop.truth(None) if loop.has_rows else None) from failure
+    finally:
+        loop.close()
     if loop.off_the_line:
         raise SolveFailed(
             f"the coach left the track, which reaches from 0 to track.length_m = {scenario.track.length_m}, "
@@ -69,4 +72,7 @@ def _compile(scenario: Scenario) -> None:
     period_s = loop_period_s(simulation)
     speed_mps = simulation.initial_speed_kmh / KMH_PER_MPS
     loop = Loop(scenario, line, lambda *_: None, lambda: False)
-    coach.run(simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_step, period_s)
+    try:
+        coach.run(simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_step, period_s)
+    finally:
+        loop.close()
