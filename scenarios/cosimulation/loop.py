@@ -154,6 +154,8 @@ class Loop:
             self._estimate(t_s - TICK_S, self._reference)
         if controlling:
             self._control(t_s)
+        if self._sands:
+            self._sanders.step(self._sand)
         return True
 
     def _look_again(self, t_s: float, latching: bool) -> None:
@@ -237,6 +239,8 @@ class Loop:
         numbers["reference_speed_mps"] = output.reference_speed_mps
         self._drive(view.traction_n, view.demand)
         self._sand_and_track_brake(output)
+        if self._sands:
+            self._sanders.step(self._sand)
         return True
 
     def _sand_and_track_brake(self, output: ControllerOutput) -> None:
@@ -244,7 +248,6 @@ class Loop:
             self._sand[:] = output.sand
             if self._driver_sands:
                 self._sand[:] = True
-            self._sanders.step(self._sand)
         magnets = output.track_brake or self._driver_brakes_track
         if magnets != self._magnets:
             self._magnets = self.brake.track_brake_on = magnets

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from scenarios.cli import app
-from scenarios.cosimulation import simulate
+from scenarios.cosimulation.simulation import simulate
 from scenarios.errors import BadInput
 from scenarios.names import display_name
 from scenarios.parquet import read_columns
