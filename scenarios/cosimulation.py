@@ -8,12 +8,15 @@ period from t_k to t_k+1, at the state of t_k:
 2. the recorder, at its own period, writes down what is true at t_k;
 3. the brake plant advances to t_k+1 with the valve commands in force; the torque capacity that it then has acts on the
    coach throughout the period.
+
+Somebody outside (`Outside`) may work the valves in the controller's place. He is asked after the driver and answers for
+the tick at hand: the link's delay of one tick is then the business of whoever connects him with his controller.
 """
 
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -52,6 +55,28 @@ def loop_period_s(simulation: SimulationParameters) -> float:
     steps_per_record = round(simulation.record_period_s / step)
     fitting = [n for n in range(1, steps_per_record + 1) if steps_per_record % n == 0]
     return max(n * step for n in fitting if n == 1 or n * step <= LONGEST_LOOP_PERIOD_S + 1e-9)
+
+
+class View:
+    """What somebody outside sees of a run at a tick, the driver's part included.
+
+    `demand` (0..1) and `traction_n` (whole coach) are as the driver has them in force; writing them overrules him until
+    he acts again.
+    """
+
+    def __init__(self, tachometers: Tachometers, brake: Brake) -> None:
+        self.tachometers = tachometers
+        self.brake = brake
+        self.state: CoachState
+        self.demand = 0.0
+        self.traction_n = 0.0
+
+
+class Outside(Protocol):
+    """Whoever works the valves from outside of the program, tick by tick."""
+
+    def tick(self, t_s: float, view: View) -> ControllerOutput | None:
+        """What is in force from t_s to the next tick; None ends the run, which a standstill then does not."""
 
 
 class Line:
@@ -96,8 +121,13 @@ def _rail_state(scenario: Scenario) -> RailState:
         raise ValueError(f"adhesion.rail_state_file = {path}: {error}") from None
 
 
-def simulate(scenario: Scenario, on_progress: OnProgress, stop_requested: Callable[[], bool]) -> Truth:
-    """Run the scenario until the coach stands or its time is over.
+def simulate(
+    scenario: Scenario,
+    on_progress: OnProgress,
+    stop_requested: Callable[[], bool],
+    outside: Outside | None = None,
+) -> Truth:
+    """Run the scenario until the coach stands or its time is over; `outside` takes the place of its controller.
 
     `on_progress(t_s, position_m, speed_mps)` is called every 0.2 s of simulated time; `stop_requested` is polled as
     often. Raises RunInterrupted when it says so, SolveFailed with the truth so far when the integration breaks down.
@@ -105,7 +135,7 @@ def simulate(scenario: Scenario, on_progress: OnProgress, stop_requested: Callab
     line = Line(scenario)
     coach = Coach(scenario.coach, line.contact, line.track, line.rail)
     simulation = scenario.simulation
-    loop = _Loop(scenario, line, on_progress, stop_requested)
+    loop = _Loop(scenario, line, on_progress, stop_requested, outside)
     try:
         _compile(scenario)
         report = coach.run(
@@ -141,7 +171,12 @@ class _Loop:
     """What happens at each base step, and what it leaves behind."""
 
     def __init__(
-        self, scenario: Scenario, line: Line, on_progress: OnProgress, stop_requested: Callable[[], bool]
+        self,
+        scenario: Scenario,
+        line: Line,
+        on_progress: OnProgress,
+        stop_requested: Callable[[], bool],
+        outside: Outside | None = None,
     ) -> None:
         self._scenario = scenario
         self._line = line
@@ -160,6 +195,8 @@ class _Loop:
         self._ticks_per_control = round(self._controller.period_s / TICK_S)
         self._driver = Driver(scenario.driver, DRIVER_PERIOD_S)
         self._brake = Brake(scenario.brake, self.period_s)
+        self._outside = outside
+        self._view = View(self._tachometers, self._brake)
         self._recorder = Recorder()
         self._first_m, self._last_m = line.places_m
         self._sanders = Sanders(scenario.sanding, TICK_S)
@@ -214,9 +251,12 @@ class _Loop:
             if not self._first_m <= position_m <= self._last_m:
                 self.off_the_line = True
             driver = self._driver
-            self._actuation.drive_torque_nm[:] = 0.25 * driver.traction_n * self._radius_m
-            self._demand = driver.demand
+            self._drive(driver.traction_n, driver.demand)
             driver.step(position_m, speed_mps)
+        if self._outside is not None:
+            going_on = self._ask_outside(self._outside, t_s, state)
+            self._ticks = ticks + 1
+            return going_on and not self.off_the_line
         if ticks % self._ticks_per_control == 0:
             self._valve, self._answer = self._answer, self._valve
             self._sand[:] = self._output.sand
@@ -229,6 +269,25 @@ class _Loop:
         self._ticks = ticks + 1
         self.stopped = self._stands(speed_mps)
         return not (self.stopped or self.off_the_line)
+
+    def _drive(self, traction_n: float, demand: float) -> None:
+        self._actuation.drive_torque_nm[:] = 0.25 * traction_n * self._radius_m
+        self._demand = demand
+        self._view.traction_n, self._view.demand = traction_n, demand
+
+    def _ask_outside(self, outside: Outside, t_s: float, state: CoachState) -> bool:
+        """Let somebody outside answer this tick; False if he ends the run."""
+        view = self._view
+        view.state = state
+        output = outside.tick(t_s, view)
+        if output is None:
+            return False
+        self._output = output
+        self._valve[:] = output.valve
+        self._drive(view.traction_n, view.demand)
+        if len(self._sanders.rows):
+            self._sanders.step(output.sand)
+        return True
 
     def _stands(self, speed_mps: float) -> bool:
         """Whether the coach, having moved, has been at rest under brakes for long enough to end the run."""

@@ -70,8 +70,9 @@ class Tachometers:
         self._state[pulse_edges.TEETH :] = (
             parameters.pitch_error_share * rng.standard_normal((n, 4)) + parameters.eccentricity_share * wave
         )
-        self._edges = np.empty((_FIRST_CAPACITY, 2))
-        self._count = 0
+        self.edges = np.empty((_FIRST_CAPACITY, 2))
+        self.count = 0
+        """The first `count` rows of `edges` are those so far: time, and wheelset 1..4 with the sign of the direction."""
         self._now_s = -math.inf
         self.axle_speed_mps: FloatArray = self._state[pulse_edges.SPEED]
         self.front_end: FloatArray = self._state[pulse_edges.SPEED : pulse_edges.VALID + 1].reshape(8)
@@ -86,12 +87,12 @@ class Tachometers:
         """
         if not t_s > self._now_s:
             raise ValueError(f"Tachometers.advance: t_s = {t_s} is not after the last tick at {self._now_s}")
-        if self._count + _ROOM_OF_A_TICK > len(self._edges):
-            self._edges = np.concatenate([self._edges, np.empty_like(self._edges)])
-        count = pulse_edges.advance(t_s, angle_rad, angular_speed_radps, self._state, self._edges, self._count)
+        if self.count + _ROOM_OF_A_TICK > len(self.edges):
+            self.edges = np.concatenate([self.edges, np.empty_like(self.edges)])
+        count = pulse_edges.advance(t_s, angle_rad, angular_speed_radps, self._state, self.edges, self.count)
         if count < 0:
             raise ValueError(f"Tachometers.advance: more than {_ROOM_OF_A_TICK} edges up to t_s = {t_s}: angles jump")
-        self._count = count
+        self.count = count
         self._now_s = t_s
         if not self._all_valid:
             np.greater(self._state[pulse_edges.VALID], 0.0, out=self.valid)
@@ -99,7 +100,7 @@ class Tachometers:
 
     def readings(self) -> TachometerReadings:
         """All edges so far, in the order of time."""
-        edges = self._edges[np.argsort(self._edges[: self._count, 0], kind="stable")]
+        edges = self.edges[np.argsort(self.edges[: self.count, 0], kind="stable")]
         return TachometerReadings(t_s=edges[:, 0], wheelset=np.abs(edges[:, 1]), direction=np.sign(edges[:, 1]))
 
 
