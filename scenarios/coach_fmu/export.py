@@ -1,5 +1,6 @@
 """Writing the .fmu file: model description, shared library, and the scenario with all files that it names."""
 
+import os
 import sys
 import tomllib
 import zipfile
@@ -31,16 +32,18 @@ def export_fmu(scenario: Scenario, out: Path, fmi: FmiVersion) -> None:
     if period_s != TICK_S:
         message = f"must be {TICK_S} for an FMU, whose IMU samples the ticks"
         raise BadInput(Fault(scenario.name, f"simulation.record_period_s = {period_s}", message))
-    partial = out.with_name(f".{out.name}.partial")
+    if out.is_dir() or not out.name:
+        raise BadInput(Fault("--out", str(out), "is a folder, the name of a file is wanted"))
+    partial = out.with_name(f".{out.name}.{os.getpid()}.partial")
     try:
-        partial.write_bytes(b"")  # whether it can be written shows before the work
-        partial.write_bytes(_archive(scenario, fmi))
-        partial.replace(out)
+        partial.touch()  # whether it can be written shows before the work
+        try:
+            partial.write_bytes(_archive(scenario, fmi))
+            partial.replace(out)
+        finally:
+            partial.unlink(missing_ok=True)
     except OSError as error:
         raise BadInput(Fault("--out", str(out), f"cannot be written: {error.strerror}")) from None
-    finally:
-        if partial.parent.is_dir():
-            partial.unlink(missing_ok=True)
 
 
 def _archive(scenario: Scenario, fmi: FmiVersion) -> bytes:
