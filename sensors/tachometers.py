@@ -72,7 +72,7 @@ class Tachometers:
         )
         self.edges = np.empty((_FIRST_CAPACITY, 2))
         self.count = 0
-        """The first `count` rows of `edges` are those so far: time, and wheelset 1..4 with the sign of the direction."""
+        """The first `count` rows of `edges` are those so far: time, wheelset 1..4 with the sign of the direction."""
         self._now_s = -math.inf
         self.axle_speed_mps: FloatArray = self._state[pulse_edges.SPEED]
         self.front_end: FloatArray = self._state[pulse_edges.SPEED : pulse_edges.VALID + 1].reshape(8)

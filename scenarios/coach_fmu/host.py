@@ -1,12 +1,14 @@
 """The smallest tool for the coach's FMU: an instance of it by way of fmpy, and a loop in which a controller brakes it.
 
-The loop is that of a co-simulation master: at each communication point it reads the coach's outputs, sets as inputs what
-the controller answered at the point before, and lets both work for the next step.
+The loop is that of a co-simulation master: at each communication point it reads the coach's outputs, sets as inputs
+what the controller answered at the point before, and lets both work for the next step.
 """
 
 import math
+import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -15,10 +17,11 @@ from typing import Any, Self
 
 import numpy as np
 
+from scenarios.coach_fmu.export import export_fmu
 from scenarios.coach_fmu.model_description import IDENTIFIER, TYPES
 from scenarios.coach_fmu.variables import VARIABLES, interface_digest, slice_of
-from scenarios.schema import TICK_S
-from wsp import Controller
+from scenarios.schema import TICK_S, Scenario
+from wsp import Controller, ControllerOutput
 
 
 class CoachFmu:
@@ -115,6 +118,7 @@ class Braked:
 def brake(coach: CoachFmu, controller: Controller, ticks: int, record: Sequence[str] = ("true_speed_mps",)) -> Braked:
     """Let `controller` brake the coach, which has started, for so many ticks; record the outputs named."""
     controller.reset(0.0, 1)
+    output = ControllerOutput()
     every = round(controller.period_s / TICK_S)
     rows: dict[str, list[list[Any]]] = {name: [] for name in ("time", *record)}
     begin_s = time.perf_counter()
@@ -124,10 +128,9 @@ def brake(coach: CoachFmu, controller: Controller, ticks: int, record: Sequence[
         if tick == ticks:
             break
         if tick % every == 0:
-            if tick:
-                coach.set("valve_command", output.valve.tolist())
-                coach.set("sand", output.sand.tolist())
-                coach.set("track_brake", [output.track_brake])
+            coach.set("valve_command", output.valve.tolist())
+            coach.set("sand", output.sand.tolist())
+            coach.set("track_brake", [output.track_brake])
             speeds = np.array(coach.get("axle_speed_mps"))
             valid = np.array(coach.get("axle_speed_valid"), dtype=np.bool_)
             (demand,) = coach.get("demand_in_force")
@@ -136,3 +139,24 @@ def brake(coach: CoachFmu, controller: Controller, ticks: int, record: Sequence[
     wall_s = time.perf_counter() - begin_s
     columns = {name: np.array(row).squeeze(axis=1) if len(row[0]) == 1 else np.array(row) for name, row in rows.items()}
     return Braked(t_s=columns.pop("time"), outputs=columns, wall_s=wall_s)
+
+
+@contextmanager
+def timed_brake(scenario: Scenario, ticks: int) -> Iterator[Callable[[], float]]:
+    """For benchmarks: a function that lets the scenario's controller brake its coach, as an FMU, for so many ticks from
+    the start, and returns wall over simulated time.
+    """
+    from fmpy import extract
+
+    with tempfile.TemporaryDirectory(prefix="railslide-fmu-") as name:
+        file, folder = Path(name) / "coach.fmu", Path(name) / "coach"
+        export_fmu(scenario, file, 2)
+        extract(str(file), str(folder))
+        with CoachFmu(folder) as coach:
+
+            def once() -> float:
+                coach.calls.reset()
+                coach.start()
+                return 1.0 / brake(coach, scenario.make_controller(), ticks).realtime_factor
+
+            yield once

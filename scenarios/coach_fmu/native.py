@@ -1,7 +1,7 @@
 """The FMU's shared library: compiled from `native/` by the C compiler that comes with the package ziglang.
 
-It is built for 64-bit Linux alone, wherever the export runs: starting and ending the Python process is written for POSIX
-and has been tried there only.
+It is built for 64-bit Linux alone, wherever the export runs: starting and ending the Python process has been written
+for Linux and tried there only.
 """
 
 import hashlib
@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -83,7 +84,8 @@ def _keep(place: Path, library: bytes) -> None:
         partial.write_bytes(library)
         partial.replace(place)
     except OSError:
-        partial.unlink(missing_ok=True)
+        with suppress(OSError):
+            partial.unlink()
 
 
 def _folder_of(package: str) -> Path:

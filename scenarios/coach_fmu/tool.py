@@ -38,7 +38,7 @@ class Connection:
     def __init__(self, connected: socket.socket) -> None:
         self._socket = connected
         self._request = np.zeros(2 + len(SET))
-        self._bytes = memoryview(self._request).cast("B")
+        self._bytes = self._request.data.cast("B")
         self._answer = np.zeros(2 + len(GOT))
         self._answer[1] = 8 * len(GOT)
         self.values = self._answer[2:]
@@ -62,14 +62,14 @@ class Connection:
 
     def answer(self) -> None:
         """Send `values`."""
-        self._send(self._answer)
+        self._send(self._answer.data)
 
     def tell(self, text: str, status: float = FINE) -> None:
         """Send a text, which may be empty."""
         message = text.encode()[:1000]
         self._send(np.array([status, len(message)]).tobytes() + message)
 
-    def _send(self, frame: np.ndarray | bytes) -> None:
+    def _send(self, frame: memoryview | bytes) -> None:
         try:
             self._socket.sendall(frame)
         except OSError:
@@ -148,7 +148,7 @@ def serve(connection: Connection, resources: Path) -> NoReturn:
 
 
 def _run(connection: Connection, resources: Path, start_s: float) -> str:
-    """One run; its last request, which is yet to be answered, stopped it if nothing is returned: else why it is over."""
+    """One run; why it is over, or nothing if the tool has stopped it. The last request has not been answered yet."""
     try:
         scenario = load_scenario(resources / "scenario.toml")
         truth = simulate(scenario, lambda *_: None, lambda: False, Tool(connection, Readouts(scenario, start_s)))

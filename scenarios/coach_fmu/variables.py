@@ -5,7 +5,7 @@ those that the tool sets (inputs and parameters) before those that it gets.
 """
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 Kind = Literal["real", "integer", "boolean"]
@@ -34,20 +34,17 @@ AXLES = ("1", "2", "3", "4")
 AXES = ("x", "y", "z")
 
 
-def _each(
-    names: tuple[str, ...],
-    name: str,
-    kind: Kind,
-    causality: Causality,
-    description: str,
-    unit: str = "",
-    start: float | None = None,
-    range: tuple[float, float] | None = None,
-) -> list[Variable]:
-    """One variable per axle or axis: `{}` in the name stands for it."""
-    return [
-        Variable(name.format(one), kind, causality, description.format(one), unit, start, range) for one in names
-    ]
+def _each(names: tuple[str, ...], one: Variable) -> list[Variable]:
+    """One variable per axle or axis: `{}` in name and description stands for it."""
+    return [replace(one, name=one.name.format(n), description=one.description.format(n)) for n in names]
+
+
+def _output(name: str, unit: str, description: str, kind: Kind = "real") -> Variable:
+    return Variable(name, kind, "output", description, unit)
+
+
+def _truth(name: str, unit: str, description: str) -> Variable:
+    return _output(f"true_{name}", unit, f"truth, for judging: {description}")
 
 
 VARIABLES: tuple[Variable, ...] = (
@@ -56,32 +53,34 @@ VARIABLES: tuple[Variable, ...] = (
         "true: the inputs demand and traction_n drive the coach; false: the scenario's driver, and both are ignored",
         start=0,
     ),
-    *_each(
-        AXLES, "valve_command[{}]", "integer", "input", "magnet valves of axle {}: 0 fill, 1 hold, 2 vent",
+    *_each(AXLES, Variable(
+        "valve_command[{}]", "integer", "input", "magnet valves of axle {}: 0 fill, 1 hold, 2 vent",
         start=0, range=(0, 2),
-    ),
-    *_each(AXLES, "sand[{}]", "boolean", "input", "sand at wheelset {}, where the scenario has a sander", start=0),
-    Variable("track_brake", "boolean", "input", "magnetic track brake, where the scenario has one", start=0),
+    )),
+    *_each(AXLES, Variable(
+        "sand[{}]", "boolean", "input", "sand at wheelset {}, where the scenario has a sander", start=0,
+    )),
+    Variable("track_brake", "boolean", "input", "magnetic track brake, where the coach has one", start=0),
     Variable("demand", "real", "input", "brake demand, share of full service", "1", 0.0, (0.0, 1.0)),
     Variable("traction_n", "real", "input", "tractive force of the whole coach, shared by its wheelsets", "N", 0.0),
     Variable("time", "real", "independent", "simulated time", "s"),
-    *_each(AXLES, "pulse_count[{}]", "integer", "output", "tachometer pulses of axle {} since the start, backward ones subtracted"),
-    *_each(AXLES, "last_pulse_s[{}]", "real", "output", "time of the last pulse of axle {}, before the start if none came", "s"),
-    *_each(AXLES, "axle_speed_mps[{}]", "real", "output", "speed of axle {} as its front end makes it of the pulses", "m/s"),
-    *_each(AXLES, "axle_speed_valid[{}]", "boolean", "output", "whether the speed of axle {} is valid"),
-    Variable("demand_in_force", "real", "output", "brake demand that acts, share of full service", "1"),
-    Variable("distributor_pressure_bar", "real", "output", "output pressure of the distributor, gauge", "bar"),
-    *_each(AXLES, "cylinder_pressure_bar[{}]", "real", "output", "brake cylinder pressure of axle {}, gauge", "bar"),
-    *_each(AXLES, "valve_state[{}]", "integer", "output", "magnet valves of axle {} as energised: 0 fill, 1 hold, 2 vent"),
-    Variable("air_nl", "real", "output", "air drawn from the supply so far, normal litres"),
-    Variable("imu_sampled_s", "real", "output", "time of the IMU's last reading", "s"),
-    *_each(AXES, "imu_specific_force_{}_mps2", "real", "output", "IMU: specific force, {} axis of the sensor", "m/s2"),
-    *_each(AXES, "imu_angular_rate_{}_radps", "real", "output", "IMU: angular rate, {} axis of the sensor", "rad/s"),
-    Variable("imu_temperature_degc", "real", "output", "IMU: its temperature", "degC"),
-    Variable("true_position_m", "real", "output", "truth, for judging: place of the carbody's centre on the track", "m"),
-    Variable("true_speed_mps", "real", "output", "truth, for judging: speed along the track", "m/s"),
-    Variable("true_acceleration_mps2", "real", "output", "truth, for judging: acceleration along the track", "m/s2"),
-    *_each(AXLES, "true_rim_speed_mps[{}]", "real", "output", "truth, for judging: speed of the rims of wheelset {}", "m/s"),
+    *_each(AXLES, _output("pulse_count[{}]", "", "pulses of axle {} since the start, less backward ones", "integer")),
+    *_each(AXLES, _output("last_pulse_s[{}]", "s", "time of the last pulse of axle {}, before the start if none came")),
+    *_each(AXLES, _output("axle_speed_mps[{}]", "m/s", "speed of axle {}, as its front end makes it of the pulses")),
+    *_each(AXLES, _output("axle_speed_valid[{}]", "", "whether the speed of axle {} is valid", "boolean")),
+    _output("demand_in_force", "1", "brake demand that acts, share of full service"),
+    _output("distributor_pressure_bar", "bar", "output pressure of the distributor, gauge"),
+    *_each(AXLES, _output("cylinder_pressure_bar[{}]", "bar", "brake cylinder pressure of axle {}, gauge")),
+    *_each(AXLES, _output("valve_state[{}]", "", "valves of axle {} as energised: 0 fill, 1 hold, 2 vent", "integer")),
+    _output("air_nl", "", "air drawn from the supply so far, normal litres"),
+    _output("imu_sampled_s", "s", "time of the IMU's last reading"),
+    *_each(AXES, _output("imu_specific_force_{}_mps2", "m/s2", "IMU: specific force, {} axis of the sensor")),
+    *_each(AXES, _output("imu_angular_rate_{}_radps", "rad/s", "IMU: angular rate, {} axis of the sensor")),
+    _output("imu_temperature_degc", "degC", "IMU: its temperature"),
+    _truth("position_m", "m", "place of the carbody's centre on the track"),
+    _truth("speed_mps", "m/s", "speed along the track"),
+    _truth("acceleration_mps2", "m/s2", "acceleration along the track"),
+    *_each(AXLES, _truth("rim_speed_mps[{}]", "m/s", "speed of the rims of wheelset {}")),
 )  # fmt: skip
 
 SET: tuple[Variable, ...] = tuple(variable for variable in VARIABLES if variable.is_set)
