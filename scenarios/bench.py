@@ -8,7 +8,9 @@ import json
 import statistics
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 from rich.table import Table
@@ -29,9 +31,11 @@ DRY_M, RECOVERING_M = 150.0, 2000.0
 POLACH = "eight contacts, table geometry and Polach"
 RECOVERING = "eight contacts, table geometry and Polach, rail that recovers"
 FASTSIM = "eight contacts, table geometry and FASTSIM 10 x 10"
-REQUIRED = {POLACH: 3.0, RECOVERING: 3.0, FASTSIM: 40.0}
+COACH_FMU = "coach as an FMU, rule table in the tool: wall over simulated time"
+REQUIRED = {POLACH: 3.0, RECOVERING: 3.0, FASTSIM: 40.0, COACH_FMU: 0.05}
 """Name of a benchmark -> what its median may reach at most, in its unit."""
 _LOOP = 1_000_000
+_FMU_TICKS = 6000
 
 
 @dataclass(frozen=True)
@@ -53,7 +57,22 @@ class Benchmark:
 
 
 def run_benchmarks(rounds: int, on_round: Callable[[int], None]) -> list[Benchmark]:
-    """All benchmarks, `rounds` times in turn; `on_round(k)` is told before each round."""
+    """All benchmarks, `rounds` times in turn; `on_round(k)` is told before each round.
+
+    The FMU's needs the packages of the extra `fmu` and is left out where they are missing.
+    """
+    with ExitStack() as stack:
+        coach_fmu = None
+        if find_spec("fmpy") and find_spec("ziglang"):
+            from scenarios.coach_fmu.host import timed_brake
+
+            coach_fmu = stack.enter_context(timed_brake(load_scenario(SCENARIO), _FMU_TICKS))
+        return _run_benchmarks(rounds, on_round, coach_fmu)
+
+
+def _run_benchmarks(
+    rounds: int, on_round: Callable[[int], None], coach_fmu: Callable[[], float] | None
+) -> list[Benchmark]:
     scenarios = {step: load_scenario(SCENARIO, [f"simulation.step_s={step}"]) for step in STEPS_S}
     first = scenarios[STEPS_S[0]]
     line = Line(first)
@@ -93,6 +112,8 @@ def run_benchmarks(rounds: int, on_round: Callable[[int], None]) -> list[Benchma
             note(f"{label}: share of Exudyn in a step", "ratio", solver_s / per_step_s)
             note(f"{label}: step over force routine", "ratio", per_step_s / force_s)
             note(f"{label}: step over interpreter loop", "ratio", per_step_s / loop_s)
+        if coach_fmu is not None:
+            note(COACH_FMU, "ratio", coach_fmu())
     return [Benchmark(name, unit, tuple(rows)) for (name, unit), rows in values.items()]
 
 

@@ -118,6 +118,27 @@ def contact(
         report_contact(Console(), loaded, out, interruption)
 
 
+@app.command(name="export-fmu")
+def export_fmu(
+    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or a path to a .toml file.")],
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key, as in run.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="The file to write; an older one is replaced.")] = Path("coach.fmu"),
+    fmi: Annotated[int, typer.Option(min=2, max=3, help="Version of the FMI standard: 2 (2.0) or 3 (3.0).")] = 2,
+) -> None:
+    """Export the coach of a scenario as a co-simulation FMU: your tool works the valves (docs/coach-fmu.md)."""
+    with _exit_codes():
+        use_compile_cache()
+        from scenarios.scenario_file import load_scenario
+
+        loaded = load_scenario(scenario, settings or ())
+        from scenarios.coach_fmu.export import export_fmu as export
+
+        export(loaded, out, 2 if fmi == 2 else 3)
+        typer.echo(f"{out}: the coach of {loaded.name}, FMI {fmi}.0, for 64-bit Linux and a Python with railslide")
+
+
 @app.command()
 def bench(
     rounds: Annotated[int, typer.Option(min=1, help="How often everything is measured, in turn.")] = 5,

@@ -7,29 +7,42 @@ from typing import Any
 from scenarios.names import FOREIGN_SUFFIXES
 
 Tree = dict[str, Any]
+Change = Callable[[str], str]
 
 
 def anchor_paths(tree: Tree, folder: Path) -> None:
     """Make the relative paths in the sections of `tree` absolute; names of what the program brings are left alone."""
+
+    def anchored(path: str) -> str:
+        try:
+            return str((folder / path).resolve())
+        except ValueError:  # a null character; whoever opens it says so
+            return path
+
+    change_paths(tree, anchored)
+
+
+def change_paths(tree: Tree, change: Change) -> None:
+    """Put `change(path)` in place of every path in the sections of `tree`; classes of a file are `file.py:Name`."""
     for section in ("coach", "brake", "imu"):
-        _anchor(table_of(tree, section), "preset", folder, _is_toml)
+        _change(table_of(tree, section), "preset", change, _is_toml)
     wsp = table_of(tree, "wsp")
-    _anchor(wsp, "controller", folder, _is_controller_file)
-    _anchor(table_of(wsp, "parameters"), "file", folder)
-    _anchor(table_of(tree, "creep_law"), "name", folder, _is_python)
+    _change(wsp, "controller", change, _is_controller_file)
+    _change(table_of(wsp, "parameters"), "file", change)
+    _change(table_of(tree, "creep_law"), "name", change, _is_python)
     profiles = table_of(table_of(table_of(tree, "coach"), "contact"), "profiles")
     for key in ("wheel_profile", "rail_profile"):
-        _anchor(profiles, key, folder, _is_profile_file)
+        _change(profiles, key, change, _is_profile_file)
     adhesion = table_of(tree, "adhesion")
-    _anchor(adhesion, "rail_state_file", folder)
+    _change(adhesion, "rail_state_file", change)
     for rail in (*_entries(adhesion, "stretches"), *_entries(adhesion, "patches")):
-        _anchor(rail, "file", folder)
-        _anchor(rail, "recovery", folder, _is_toml)
+        _change(rail, "file", change)
+        _change(rail, "recovery", change, _is_toml)
     estimators = table_of(tree, "estimators")
     if isinstance(estimators.get("names"), list):
-        estimators["names"] = [_anchored(name, folder, _is_python) for name in estimators["names"]]
+        estimators["names"] = [_changed(name, change, _is_python) for name in estimators["names"]]
     for name in [name for name in estimators if _is_python(name)]:
-        estimators[_anchored(name, folder, _is_python)] = estimators.pop(name)
+        estimators[_changed(name, change, _is_python)] = estimators.pop(name)
 
 
 def table_of(tree: Tree, key: str) -> Tree:
@@ -62,16 +75,13 @@ def _is_profile_file(text: str) -> bool:
     return Path(text).suffix != ""
 
 
-def _anchor(table: Tree, key: str, folder: Path, is_path: Callable[[str], bool] | None = None) -> None:
+def _change(table: Tree, key: str, change: Change, is_path: Callable[[str], bool] | None = None) -> None:
     if key in table:
-        table[key] = _anchored(table[key], folder, is_path)
+        table[key] = _changed(table[key], change, is_path)
 
 
-def _anchored(value: Any, folder: Path, is_path: Callable[[str], bool] | None) -> Any:
-    """A path as an absolute one, anything else as it is; without `is_path` every text is a path."""
+def _changed(value: Any, change: Change, is_path: Callable[[str], bool] | None) -> Any:
+    """What comes of a path, anything else as it is; without `is_path` every text is a path."""
     if not isinstance(value, str) or not (is_path is None or is_path(value)):
         return value
-    try:
-        return str((folder / value).resolve())
-    except ValueError:  # a null character; whoever opens it says so
-        return value
+    return change(value)

@@ -100,16 +100,40 @@ class Imu:
     def process(self, kinematics: Kinematics) -> ImuReadings:
         """Readings of the next chunk. Raises ValueError where its rows are not `truth_period_s` apart."""
         t_s = kinematics.t_s
-        steps_s = np.diff(t_s, prepend=self._last_s) if self._rows else np.diff(t_s)
-        if steps_s.size and np.max(np.abs(steps_s - self._truth_period_s)) > 1e-6:
+        first = -self._rows % self._ratio
+        readings = self.process_arrays(
+            t_s,
+            kinematics.specific_force_mps2,
+            kinematics.angular_rate_radps,
+            kinematics.angular_acceleration_radps2,
+        )
+        return ImuReadings(
+            t_s=t_s[first :: self._ratio],
+            specific_force_mps2=readings[:, :3],
+            angular_rate_radps=readings[:, 3:6],
+            temperature_degc=readings[:, 6],
+        )
+
+    def process_arrays(
+        self,
+        t_s: FloatArray,
+        specific_force_mps2: FloatArray,
+        angular_rate_radps: FloatArray,
+        angular_acceleration_radps2: FloatArray,
+    ) -> FloatArray:
+        """As `process`, for chunks so short that records would cost more than the mask itself.
+
+        Contiguous arrays as in Kinematics; readings (m, 7): specific force, angular rate, temperature.
+        """
+        if not self._follow(t_s):
             raise ValueError(f"Imu.process: rows must be {self._truth_period_s} s apart and follow the last chunk")
         first = -self._rows % self._ratio
         outputs = len(range(first, len(t_s), self._ratio))
         readings = process(
             t_s,
-            kinematics.specific_force_mps2,
-            kinematics.angular_rate_radps,
-            kinematics.angular_acceleration_radps2,
+            specific_force_mps2,
+            angular_rate_radps,
+            angular_acceleration_radps2,
             self._lever_arm_m,
             self._rotation,
             self._filter,
@@ -127,12 +151,14 @@ class Imu:
         if len(t_s):
             self._last_s = float(t_s[-1])
             self._rows += len(t_s)
-        return ImuReadings(
-            t_s=t_s[first :: self._ratio],
-            specific_force_mps2=readings[:, :3],
-            angular_rate_radps=readings[:, 3:6],
-            temperature_degc=readings[:, 6],
-        )
+        return readings
+
+    def _follow(self, t_s: FloatArray) -> bool:
+        """Whether rows at these times come next."""
+        period_s = self._truth_period_s
+        if self._rows and len(t_s) and abs(float(t_s[0]) - self._last_s - period_s) > 1e-6:
+            return False
+        return len(t_s) < 2 or bool(np.max(np.abs(np.diff(t_s) - period_s)) <= 1e-6)
 
 
 def _gain(triad: AccelerometerParameters | GyroscopeParameters, rng: np.random.Generator) -> FloatArray:

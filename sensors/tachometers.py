@@ -73,6 +73,7 @@ class Tachometers:
         )
         self.edges = np.empty((_FIRST_CAPACITY, 2))
         self.count = 0
+        """The first `count` rows of `edges` are those so far: time, wheelset 1..4 with the sign of the direction."""
         self._now_s = -math.inf
         self.axle_speed_mps: FloatArray = self.state[pulse_edges.SPEED]
 

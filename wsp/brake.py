@@ -218,6 +218,11 @@ class Brake:
         return float(self._b["distributor_bar"])
 
     @property
+    def reservoir_pressure_bar(self) -> float:
+        """Pressure in the auxiliary reservoir, gauge."""
+        return float(self._b["reservoir_bar"])
+
+    @property
     def air_nl(self) -> float:
         """Air drawn from the reservoir so far, in normal litres (1.013 bar, 20 degC)."""
         return float(self._b["drawn_nl"])
