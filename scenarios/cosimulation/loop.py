@@ -148,16 +148,19 @@ class Loop:
             self._look_around(t_s)
             if self.stopped or self.off_the_line:
                 return False
-        if self._drives or self._traction_n != 0.0:
-            self._work_traction()
         if self._controller is None:
-            return self._ask_outside(t_s)
-        if self._reference is not None and ticks > 0 and self._reference.due(t_s - TICK_S):
-            self._estimate(t_s - TICK_S, self._reference)
-        if controlling:
+            if not self._ask_outside(t_s):
+                return False
+        elif controlling:
+            if self._reference is not None and ticks > 0 and self._reference.due(t_s - TICK_S):
+                self._estimate(t_s - TICK_S, self._reference)
             self._control(t_s, self._controller)
         if self._sands:
             self._sanders.step(self._sand)
+        if self._drives or self._traction_n != 0.0:
+            self._traction.step(self._traction_n, self._axle_speed, self._valid)
+            self._numbers["drive_torque_nm"] = self._traction.torque_nm
+            self._drives = bool(self._traction.torque_nm.any())
         return True
 
     def _look_again(self, t_s: float, latching: bool) -> None:
@@ -202,13 +205,6 @@ class Loop:
         self._traction_n = self._view.traction_n = traction_n
         self._view.demand = demand
 
-    def _work_traction(self) -> None:
-        """What the drive answered at the last tick comes into force, then it answers anew."""
-        traction = self._traction
-        self._drives = bool(traction.torque_nm.any())
-        self._numbers["drive_torque_nm"] = traction.torque_nm
-        traction.step(self._traction_n, self._axle_speed, self._valid)
-
     def _control(self, t_s: float, controller: Controller) -> None:
         """What the controller answered at its last tick is in force by now; it answers anew."""
         self._sand_and_track_brake(self._output)
@@ -239,8 +235,6 @@ class Loop:
         numbers["reference_speed_mps"] = output.reference_speed_mps
         self._drive(view.traction_n, view.demand)
         self._sand_and_track_brake(output)
-        if self._sands:
-            self._sanders.step(self._sand)
         return True
 
     def _sand_and_track_brake(self, output: ControllerOutput) -> None:

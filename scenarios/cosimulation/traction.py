@@ -40,9 +40,10 @@ class TractionParameters(BaseModel):
 
 
 class Traction:
-    """From the driver's force to the drive torques of the wheelsets, tick by tick; what it answers acts from the next.
+    """From the driver's force to the drive torques of the wheelsets, tick by tick.
 
-    `torque_nm` (4,): answered at the last `step`.
+    `torque_nm` (4,): in force since the last `step`. A force acts at once; what the anti-skid makes of the speeds that
+    it reads at a tick acts from the next one on, as every link has it.
     """
 
     def __init__(self, parameters: TractionParameters, wheel_radius_m: float, period_s: float) -> None:
@@ -52,6 +53,7 @@ class Traction:
         self._torque_per_force_m = driven / driven.sum() * wheel_radius_m
         self._anti_skid = AntiSkid(parameters.anti_skid_parameters, period_s) if parameters.anti_skid else None
         self.torque_nm = np.zeros(4)
+        self._answered_nm = np.zeros(4)
 
     def step(self, force_n: float, axle_speed_mps: np.ndarray, valid: np.ndarray) -> None:
         """Answer the driver's force (whole coach, N) and the tachometers (4,) of a tick.
@@ -65,5 +67,6 @@ class Traction:
         asked_nm = np.minimum(force_n, limit_n) * self._torque_per_force_m
         if self._anti_skid is None:
             self.torque_nm[:] = asked_nm
-        else:
-            self.torque_nm[:] = self._anti_skid.step(axle_speed_mps, valid, asked_nm, np.nan)
+            return
+        self.torque_nm[:] = self._answered_nm
+        self._answered_nm[:] = self._anti_skid.step(axle_speed_mps, valid, asked_nm)
