@@ -27,6 +27,8 @@ Brakes come by `BRAKE_PRESETS` (name -> TOML file of `BrakeParameters`), control
 with its `Parameters`); traction has `wsp.anti_skid.AntiSkid`. Figures marked M are known at second hand.
 """
 
+from wsp.anti_skid import AntiSkid
+from wsp.anti_skid_parameters import AntiSkidParameters
 from wsp.brake import Brake
 from wsp.controllers import CONTROLLERS, Controller, ControllerOutput
 from wsp.parameters import BRAKE_PRESETS, BrakeParameters
@@ -38,6 +40,8 @@ __all__ = [
     "FILL",
     "HOLD",
     "VENT",
+    "AntiSkid",
+    "AntiSkidParameters",
     "Brake",
     "BrakeParameters",
     "Controller",
