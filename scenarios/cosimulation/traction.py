@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from scenarios.units import KMH_PER_MPS
-from wsp.anti_skid import AntiSkid, AntiSkidParameters
+from wsp import AntiSkid, AntiSkidParameters
 
 Wheelset = Annotated[int, Field(ge=1, le=4)]
 

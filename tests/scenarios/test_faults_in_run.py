@@ -83,7 +83,8 @@ def test_a_dead_controller_leaves_its_commands_until_the_safety_timer_acts() -> 
 def test_tachometer_faults_reach_the_controller() -> None:
     truth = run(
         *DRY_STOP,
-        'faults=[{kind="tachometer-lost", axle=1, at_s=3.0, until_s=5.0}, {kind="tachometer-frozen", axle=2, at_s=3.0}, '
+        'faults=[{kind="tachometer-lost", axle=1, at_s=3.0, until_s=5.0}, '
+        '{kind="tachometer-frozen", axle=2, at_s=3.0}, '
         '{kind="tooth-count", axle=3, teeth=80, at_s=3.0}, {kind="wheel-diameter", axle=4, diameter_mm=860, at_s=3.0}]',
     )
     seen, rim = truth.brake.axle_speed_mps, truth.wheelsets.rim_speed_mps
