@@ -51,6 +51,7 @@ OBSERVATION = np.dtype(
         ("wheel_angle_rad", "f8", (4,)),
         ("lateral_displacement_m", "f8", (4,)),
         ("brake_torque_nm", "f8", (4,)),
+        ("drive_torque_nm", "f8", (4,)),
         ("friction_power_w", "f8", (4,)),
         ("normal_force_n", "f8", (8,)),  # 1L 1R 2L 2R ...
         ("longitudinal_force_n", "f8", (8,)),
@@ -158,6 +159,7 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
             (q[at] - frame[0]) * frame[6] + (q[at + 1] - frame[1]) * frame[7] + (q[at + 2] - frame[2]) * frame[8]
         )
         out.brake_torque_nm[i] = coach.brake_torque[i]
+        out.drive_torque_nm[i] = coach.drive[i]
         out.friction_power_w[i] = 0.0
         for side in range(2):
             report = coach.report[i, side]

@@ -105,7 +105,8 @@ class Recorder:
             offered,
         )
         copied = ("t_s", "rim_speed_mps", "wheel_angle_rad", "lateral_displacement_m", "normal_force_n",
-                  "longitudinal_force_n", "lateral_force_n", "brake_torque_nm", "friction_power_w")  # fmt: skip
+                  "longitudinal_force_n", "lateral_force_n", "brake_torque_nm", "drive_torque_nm",
+                  "friction_power_w")  # fmt: skip
         return WheelsetStream(
             **_fields(rows, copied),
             position_m=rows["wheelset_position_m"],

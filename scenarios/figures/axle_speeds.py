@@ -1,6 +1,7 @@
-"""The form that brake engineers read: speeds over cylinder pressures over the bars of the valves, axle by axle."""
+"""The form that brake engineers read: speeds over cylinder pressures over the bars of the valves, axle by axle.
 
-from typing import Any
+Drive torques have a place of their own where there are any: motors, or a dynamic brake.
+"""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,12 +11,13 @@ from matplotlib.patches import Patch
 
 from scenarios.figures.style import AXLE_COLOURS, REFERENCE_COLOUR, TRUE_COLOUR, legend, new_figure, note, plot
 from scenarios.metrics import locked, stop_span
-from scenarios.truth import BrakeStream, Truth
+from scenarios.truth import BrakeStream, Truth, WheelsetStream
 from scenarios.units import KMH_PER_MPS
 
 HOLD, VENT = 1, 2
 VALVE_COLOURS = {HOLD: "#f7d98b", VENT: "#1f4e9c"}
 LEAD_S = 5.0
+LEAST_DRIVE_NM = 10.0
 
 
 def draw_axle_speeds(truth: Truth) -> Figure:
@@ -24,13 +26,16 @@ def draw_axle_speeds(truth: Truth) -> Figure:
     first_s = truth.motion.t_s[0] if span is None else max(truth.motion.t_s[0], truth.motion.t_s[span[0]] - LEAD_S)
     brake = truth.brake.rows(slice(int(np.searchsorted(truth.brake.t_s, first_s)), None))
     motion = truth.motion.rows(slice(int(np.searchsorted(truth.motion.t_s, first_s)), None))
-    figure, (speeds, pressures, valves) = new_figure(
-        "Axle speeds, cylinder pressures and valves", 8.6, rows=3, height_ratios=[4.0, 2.4, 1.8]
-    )
+    wheelsets = truth.wheelsets.rows(slice(int(np.searchsorted(truth.wheelsets.t_s, first_s)), None))
+    drives = bool((np.abs(wheelsets.drive_torque_nm) > LEAST_DRIVE_NM).any())
+    brakes = bool((brake.demand > 0.0).any()) or not drives
+    heights = [4.0, *([1.8] if drives else []), *([2.4, 1.8] if brakes else [])]
+    title = "Axle speeds, cylinder pressures and valves" if brakes else "Axle speeds and drive torques"
+    figure, rows = new_figure(title, 8.6, rows=len(heights), height_ratios=heights)
+    speeds = rows[0]
     for i, colour in enumerate(AXLE_COLOURS):
-        look: dict[str, Any] = {"color": colour, "linewidth": 0.9}
-        plot(speeds, brake.t_s, KMH_PER_MPS * brake.axle_speed_mps[:, i], label=f"axle {i + 1}, tachometer", **look)
-        plot(pressures, brake.t_s, brake.cylinder_pressure_bar[:, i], label=f"axle {i + 1}", **look)
+        seen_kmh = KMH_PER_MPS * brake.axle_speed_mps[:, i]
+        plot(speeds, brake.t_s, seen_kmh, label=f"axle {i + 1}, tachometer", color=colour, linewidth=0.9)
     if np.isfinite(brake.reference_speed_mps).any():
         reference_kmh = KMH_PER_MPS * brake.reference_speed_mps
         plot(speeds, brake.t_s, reference_kmh, color=REFERENCE_COLOUR, label="reference speed", linewidth=1.3)
@@ -38,15 +43,33 @@ def draw_axle_speeds(truth: Truth) -> Figure:
     _shade_locks(speeds, truth)
     speeds.set_ylabel("speed  km/h")
     speeds.set_ylim(bottom=min(0.0, float(np.nanmin(brake.axle_speed_mps) * KMH_PER_MPS)) - 2.0)
-    legend(speeds, columns=2, place="upper right")
+    legend(speeds, columns=2, place="upper right" if brakes else "lower right")
+    if drives:
+        _drive_torques(rows[1], wheelsets)
+    if brakes:
+        _cylinder_pressures(rows[-2], brake)
+        _valve_bars(rows[-1], brake)
+    rows[-1].set_xlabel("time  s")
+    rows[-1].set_xlim(first_s, motion.t_s[-1])
+    return figure
+
+
+def _drive_torques(axes: Axes, wheelsets: WheelsetStream) -> None:
+    for i, colour in enumerate(AXLE_COLOURS):
+        torque_knm = wheelsets.drive_torque_nm[:, i] / 1000.0
+        plot(axes, wheelsets.t_s, torque_knm, color=colour, linewidth=0.9, label=f"axle {i + 1}")
+    axes.set_ylabel("drive torque  kN m")
+    legend(axes, columns=4, place="upper right")
+
+
+def _cylinder_pressures(pressures: Axes, brake: BrakeStream) -> None:
+    for i, colour in enumerate(AXLE_COLOURS):
+        pressure_bar = brake.cylinder_pressure_bar[:, i]
+        plot(pressures, brake.t_s, pressure_bar, color=colour, linewidth=0.9, label=f"axle {i + 1}")
     plot(pressures, brake.t_s, brake.distributor_pressure_bar, "--", color="grey", label="distributor")
     pressures.set_ylabel("cylinder pressure  bar")
     pressures.set_ylim(bottom=-0.1)
     legend(pressures, columns=5, place="lower center")
-    _valve_bars(valves, brake)
-    valves.set_xlabel("time  s")
-    valves.set_xlim(first_s, motion.t_s[-1])
-    return figure
 
 
 def _shade_locks(axes: Axes, truth: Truth) -> None:

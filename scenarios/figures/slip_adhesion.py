@@ -11,7 +11,7 @@ LEAD_S = 2.0
 
 
 def draw_slip_and_adhesion(truth: Truth) -> Figure:
-    """Left: slip above 10 km/h. Right: braking force over load of each axle below the peak that the rail offers it.
+    """Left: slip above 10 km/h. Right: longitudinal force over load of each axle below the peak that the rail offers it.
 
     The green band is what a later axle gains: its peak above the one that axle 1 found at the same place
     (at the speed that the train had then: on rail that keeps nothing, a little remains at the end). A locked
@@ -27,7 +27,7 @@ def draw_slip_and_adhesion(truth: Truth) -> Figure:
     load_n = wheelsets.normal_force_n.reshape(-1, 4, 2).sum(axis=2)
     force_n = wheelsets.longitudinal_force_n.reshape(-1, 4, 2).sum(axis=2)
     moving = np.abs(wheelsets.speed_mps) > STANDSTILL_MPS
-    utilised = np.where(moving, -force_n / np.maximum(load_n, 1.0), np.nan)
+    utilised = np.where(moving, np.abs(force_n) / np.maximum(load_n, 1.0), np.nan)
     fast = np.abs(wheelsets.speed_mps) > SLIP_COUNTS_ABOVE_MPS
     slip_percent = 100.0 * np.where(fast, wheelsets.slip, np.nan)
     for i, colour in enumerate(AXLE_COLOURS):
@@ -49,7 +49,7 @@ def draw_slip_and_adhesion(truth: Truth) -> Figure:
     top = 1.25 * float(np.quantile(wheelsets.peak_adhesion[span[0] - first if span else 0 :], 0.99))
     panels[0, 1].set_ylim(0.0, top)
     panels[0, 0].set_title("slip (speed - rim speed)/speed, above 10 km/h")
-    panels[0, 1].set_title("braking force over load; the peak is that of creep up to 0.3")
+    panels[0, 1].set_title("force over load; the peak is that of creep up to 0.3")
     legend(panels[1, 1], place="lower center")
     for axes in panels[-1]:
         axes.set_xlabel("time  s")
