@@ -16,30 +16,36 @@ from wsp import FILL, Brake
 _STEP_S = 0.01
 
 
-def shortest_stop(scenario: Scenario, truth: Truth) -> float | None:
+def shortest_stop(scenario: Scenario, truth: Truth, begin: int | None = None) -> float | None:
     """Distance in m from the brake demand to standstill of a point mass with the same demand build-up, resistance and
     gradient, braked by the smaller of the brake's force and peak adhesion x static load, summed over the wheels, on the
     rail as it was found, before any wheel of this coach ran over it. None for a run without a stop.
+
+    `begin`: row of the motion to count from in place of the brake demand, such as the end of a drag brake. What the
+    brake did before, it has done: it is as full then as the demands so far have made it.
     """
     span = stop_span(truth)
     if span is None:
         return None
     start, end = span
+    if begin is not None:
+        start = begin
     line = Line(scenario)
     coach = scenario.coach
     brake = Brake(scenario.brake, _STEP_S)
     no_wsp = np.full(4, FILL, np.int8)
     motion = truth.motion
     # the demand as it was given; held at its last value should this stop take longer
-    times = np.arange(0.0, 3.0 * (motion.t_s[end] - motion.t_s[start]) + 60.0, _STEP_S)
-    demand = np.interp(motion.t_s[start] + times, truth.brake.t_s[: end + 1], truth.brake.demand[: end + 1])
+    before_s = motion.t_s[start] - motion.t_s[0]
+    times = np.arange(0.0, before_s + 3.0 * (motion.t_s[end] - motion.t_s[start]) + 60.0, _STEP_S)
+    demand = np.interp(motion.t_s[0] + times, truth.brake.t_s[: end + 1], truth.brake.demand[: end + 1])
     radius_m = 0.5 * coach.wheelset.wheel_diameter_m
     force_n = np.array([brake.step(float(d), no_wsp).sum() / radius_m for d in demand])
     offsets = truth.wheelsets.position_m[start] - motion.position_m[start]
     distance = _point_mass_stop(
         float(motion.position_m[start]),
         float(motion.speed_mps[start]),
-        force_n,
+        force_n[round(before_s / _STEP_S) :],
         offsets,
         coach.mass_kg,
         coach.effective_mass_kg,

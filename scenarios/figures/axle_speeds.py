@@ -43,7 +43,7 @@ def draw_axle_speeds(truth: Truth) -> Figure:
     pressures.set_ylabel("cylinder pressure  bar")
     pressures.set_ylim(bottom=-0.1)
     legend(pressures, columns=5, place="lower center")
-    _valve_bars(valves, brake)
+    valve_bars(valves, brake)
     valves.set_xlabel("time  s")
     valves.set_xlim(first_s, motion.t_s[-1])
     return figure
@@ -66,7 +66,8 @@ def _shade_locks(axes: Axes, truth: Truth) -> None:
         )
 
 
-def _valve_bars(axes: Axes, brake: BrakeStream) -> None:
+def valve_bars(axes: Axes, brake: BrakeStream) -> None:
+    """Bars over time of the state of each axle's valves: hold, vent, nothing where the cylinder fills."""
     for state, colour in VALVE_COLOURS.items():
         corners = np.concatenate([_bars(brake.t_s, brake.valve[:, i] == state, 4.0 - i) for i in range(4)])
         if len(corners):
