@@ -195,7 +195,10 @@ def wsp_test(
         int | None, typer.Option(min=1, help="Processes that run stops; one for each core without it.")
     ] = None,
     figures: Annotated[
-        str, typer.Option(metavar="none|worst|all", help="Which stops get a picture of their own.")
+        str,
+        typer.Option(
+            metavar="none|summary|worst|all", help="Pictures: of the whole, of the worst stops besides, of all."
+        ),
     ] = "worst",
     json_file: Annotated[
         Path | None, typer.Option("--json", metavar="FILE", help="Write the scorecard to this file as well.")

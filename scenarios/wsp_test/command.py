@@ -5,13 +5,14 @@ import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from rich.measure import Measurement
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from scenarios.compile_cache import source_fingerprint
@@ -37,11 +38,9 @@ from scenarios.wsp_test.runner import KeptStops, Workers, stop_key
 from scenarios.wsp_test.scorecard import Score
 from scenarios.wsp_test.worker import draw, score
 
-DRAWN = ("none", "worst", "all")
-"""Which stops get a picture of their own."""
+DRAWN = ("none", "summary", "worst", "all")
+"""Which pictures are drawn: of the programme as a whole, of the worst stops besides, of all stops."""
 WORST_DRAWN = 4
-TABLE_WIDTH = 150
-"""Columns of the table stay readable if a narrow terminal breaks the lines, and not if they are squeezed."""
 RESULTS = ("scorecard.json", "scorecard.csv", "figures")
 CONTENTS = Contents(frozenset({"provenance.json", "stops", *RESULTS}), "provenance.json", "test programme")
 
@@ -73,7 +72,7 @@ def run_wsp_test(request: Request, console: Console, progress: Console, interrup
     limits = load_limits(request.limits, {group for stop in programme.stops for group in stop.limits})
     if request.only:
         programme = programme.only(request.only)
-    load_scenario(programme.stops[0].scenario, [f"wsp.controller={request.controller}", *request.settings])
+    _check_command_line(request, programme.stops[0].scenario)
     if request.json_file is not None:
         write_json(request.json_file, {})  # whether it can be written shows before the work
     keys = _keys(programme)
@@ -120,6 +119,16 @@ def run_wsp_test(request: Request, console: Console, progress: Console, interrup
         write_json(request.json_file, tree)
     _show(console, card, folder, pictures, wall_s["all"], len(everything) - len(todo))
     return card
+
+
+def _check_command_line(request: Request, base: str) -> None:
+    """Faults of controller and settings, told once and not for every stop."""
+    controller = f"wsp.controller={request.controller}"
+    try:
+        load_scenario(base, [controller])
+    except BadInput as error:
+        raise BadInput(*(replace(fault, source="CONTROLLER") for fault in error.faults)) from None
+    load_scenario(base, [controller, *request.settings])
 
 
 def _keys(programme: Programme) -> dict[str, str]:
@@ -173,12 +182,12 @@ def _scorecard(
 
 def _draw(card: Scorecard, folder: Path, drawn: str, workers: Workers, on_stop: Any) -> list[Path]:
     """The pictures of the whole programme, and those of the worst stops or of all."""
-    if not card.results:
+    if not card.results or drawn == "none":
         return []
     from scenarios.wsp_test.figures import write_summaries  # matplotlib takes a while to import
 
     folder.mkdir(exist_ok=True)
-    chosen = {"none": [], "worst": _worst(card.results), "all": list(card.results)}[drawn]
+    chosen = {"summary": [], "worst": _worst(card.results), "all": list(card.results)}[drawn]
     orders = [(result.stop, result.required_ratio, folder / f"stop-{result.stop.name}.png") for result in chosen]
     files = set()
     for order, file in workers.each(draw, orders):
@@ -243,16 +252,17 @@ def _provenance(
 def _show(
     console: Console, card: Scorecard, folder: Path, pictures: Sequence[Path], wall_s: float, reused: int
 ) -> None:
-    if console.width < TABLE_WIDTH:
-        console = Console(file=console.file, width=TABLE_WIDTH, force_terminal=console.is_terminal)
     if card.results:
-        console.print(terminal_table(card))
+        table = terminal_table(card)
+        # lines that a narrow terminal breaks can still be read, squeezed columns cannot
+        width = Measurement.get(console, console.options.update(max_width=1000), table).maximum
+        console.print(table, width=max(width, console.width), crop=False, soft_wrap=True)
     for line in beyond_lines(card):
         console.print(f"beyond: {line}", highlight=False, markup=False, soft_wrap=True)
     for name, failure in card.failures.items():
         console.print(f"failed: {name}: {failure}", highlight=False, markup=False, soft_wrap=True)
     console.print(verdict(card), highlight=False, markup=False, soft_wrap=True)
-    earlier = f", {reused} of them from an earlier call" if reused else ""
+    earlier = f"; {reused} stops and dry references are from an earlier call" if reused else ""
     console.print(f"done in {wall_s:.1f} s{earlier}", highlight=False)
     console.print(f"scorecard   {folder / 'scorecard.json'}", highlight=False, soft_wrap=True)
     for picture in pictures:

@@ -113,8 +113,10 @@ def _bars(axes: Axes, card: Scorecard, metric: str) -> None:
             axes.text(begin, row, " -", va="center", fontsize=7, color="grey")
             continue
         axes.barh(row, value - begin, left=begin, height=0.72, color=colours[result.stop.group])
-        axes.text(max(value, begin), row, f" {value:.2f}", va="center", fontsize=7)
-        for limit in _limits_of(card, result, metric):
+        limits = _limits_of(card, result, metric)
+        place = max([value, begin, *(limit.bound for limit in limits)])
+        axes.text(place, row, f" {value:.2f}", va="center", fontsize=7)
+        for limit in limits:
             colour = BEYOND_COLOUR if limit.exceeded(value) else "black"
             axes.plot([limit.bound] * 2, [row - 0.45, row + 0.45], color=colour, linewidth=2.0)
     axes.margins(x=0.12)
@@ -130,14 +132,14 @@ def draw_performance(card: Scorecard) -> Figure:
     colours = _colours(card)
     for row, result in enumerate(card.results):
         stretches = result.performances()
-        for k, (stretch, value) in enumerate(stretches):
-            height = 0.72 / len(stretches)
+        height = 0.72 / max(len(stretches), 1)
+        for k, (_, value) in enumerate(stretches):
             place = row - 0.36 + (k + 0.5) * height
             axes.barh(place, 100.0 * value, height=height, color=colours[result.stop.group])
-            text = f"{100.0 * value:+.0f} % over {stretch.duration_s:.0f} s at demand {stretch.demand:g}"
-            axes.text(max(100.0 * value, 0.0) + 1.0, place, text, va="center", fontsize=7)
-        if not stretches:
-            axes.text(1.0, row, "no stretch of 10 s", va="center", fontsize=7, color="grey")
+        told = [f"{100.0 * value:+.0f} % in {s.duration_s:.0f} s at demand {s.demand:g}" for s, value in stretches]
+        text = ", ".join(told) or "no stretch of 10 s"
+        place = max([100.0 * value for _, value in stretches], default=0.0)
+        axes.text(max(place, 0.0) + 1.0, row, text, va="center", fontsize=7, color="black" if told else "grey")
     axes.axvline(0.0, color="black", linewidth=0.8)
     axes.set_xlabel(
         "brake force achieved over required, less 1  %   (required: the demand's share of full service on dry rail)"
@@ -167,6 +169,9 @@ def draw_slip_histogram(card: Scorecard) -> Figure:
     axes.set_xticks(range(bins), edges)
     axes.set_xlabel("slip  %")
     axes.set_ylabel("share of braking time above 10 km/h  %")
+    axes.set_yscale("log")  # rare high slip is what flattens wheels
+    axes.set_ylim(0.01, 130.0)
+    axes.yaxis.set_major_formatter("{x:g}")
     axes.grid(axis="y", color=GRID_COLOUR)
     axes.set_axisbelow(True)
     _title(figure, card, "slip of all wheelsets")
