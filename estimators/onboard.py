@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from estimators.interface import Sample
 from sensors.readings import AxleSpeedReadings, BaliseReadings, ImuReadings
-from sensors.streams import FloatArray
+from sensors.streams import BoolArray, FloatArray
 
 _TOLERANCE_S = 1e-6  # ticks and readings are multiples of periods, within rounding
 
@@ -37,19 +37,38 @@ def samples(
     speed_row = np.searchsorted(axle_speeds.t_s, ticks + _TOLERANCE_S) - 1
     balise_row = np.searchsorted(balises.t_s, ticks, side="right")
     for k in range(1, len(ticks)):
-        if imu_row[k] == imu_row[k - 1]:
-            raise ValueError(f"samples: no IMU reading up to t = {ticks[k]:g} s, its rate is too low")
         if speed_row[k] < 0:
             raise ValueError(f"samples: no axle speed up to t = {ticks[k]:g} s")
-        window = slice(imu_row[k - 1], imu_row[k])
-        passed = balise_row[k] > balise_row[k - 1]
-        yield Sample(
-            t_s=float(ticks[k]),
-            axle_speed_mps=axle_speeds.axle_speed_mps[speed_row[k]],
-            valid=axle_speeds.valid[speed_row[k]],
-            specific_force_mps2=imu.specific_force_mps2[window].mean(axis=0),
-            angular_rate_radps=imu.angular_rate_radps[window].mean(axis=0),
-            balise_position_m=float(balises.position_m[balise_row[k] - 1]) if passed else math.nan,
-            balise_age_s=float(ticks[k] - balises.t_s[balise_row[k] - 1]) if passed else math.nan,
-            direction=direction,
+        yield sample_of(
+            float(ticks[k]),
+            imu.rows(slice(imu_row[k - 1], imu_row[k])),
+            axle_speeds.axle_speed_mps[speed_row[k]],
+            axle_speeds.valid[speed_row[k]],
+            balises.rows(slice(balise_row[k - 1], balise_row[k])),
+            direction,
         )
+
+
+def sample_of(
+    t_s: float,
+    imu: ImuReadings,
+    axle_speed_mps: FloatArray,
+    valid: BoolArray,
+    balises: BaliseReadings,
+    direction: int = 1,
+) -> Sample:
+    """The sample at a tick from what came since the tick before: IMU readings, axle speeds (4,) with their validity at
+    the tick, balises. Raises ValueError without an IMU reading."""
+    if not len(imu):
+        raise ValueError(f"samples: no IMU reading up to t = {t_s:g} s, its rate is too low")
+    passed = len(balises) > 0
+    return Sample(
+        t_s=t_s,
+        axle_speed_mps=axle_speed_mps,
+        valid=valid,
+        specific_force_mps2=imu.specific_force_mps2.mean(axis=0),
+        angular_rate_radps=imu.angular_rate_radps.mean(axis=0),
+        balise_position_m=float(balises.position_m[-1]) if passed else math.nan,
+        balise_age_s=float(t_s - balises.t_s[-1]) if passed else math.nan,
+        direction=direction,
+    )

@@ -14,7 +14,9 @@ from pathlib import Path
 from rich.table import Table
 
 from scenarios.bench_parts import SPEED_MPS, BenchCoach
-from scenarios.cosimulation import Line, loop_period_s, simulate
+from scenarios.cosimulation.line import Line
+from scenarios.cosimulation.loop import loop_period_s
+from scenarios.cosimulation.simulation import simulate
 from scenarios.errors import BadInput, Fault
 from scenarios.scenario_file import load_scenario
 from scenarios.schema import Scenario

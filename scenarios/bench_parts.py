@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from scenarios.cosimulation import Line
+from scenarios.cosimulation.line import Line
 from scenarios.schema import Scenario
 from vehicle.coach import SolverFailure
 from vehicle.exudyn_system import assemble, load_exudyn, solver_settings

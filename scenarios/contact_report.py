@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 from scenarios.contact_sheet import AMPLITUDES_MM, ContactSheet, contact_sheet, geometry_of
-from scenarios.cosimulation import Line
+from scenarios.cosimulation.line import Line
 from scenarios.errors import BadInput, Fault
 from scenarios.interruption import Interruption
 from scenarios.names import display_name

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from scenarios.cosimulation import Line
+from scenarios.cosimulation.line import Line
 from scenarios.schema import Scenario
 from scenarios.units import KMH_PER_MPS
 from wheel_rail.adhesion_condition import rail_condition

@@ -150,6 +150,10 @@ def read_toml(path: Path) -> Tree:
         raise BadInput(Fault(str(path), "", f"is not valid TOML: {error}")) from None
 
 
+LISTS = ("faults",)
+"""Sections that are no tables but arrays of them: their key is the section itself."""
+
+
 def parse_setting(setting: str) -> Tree:
     """`section.key=value` from the command line as a tree; the value is TOML, or text where it is not TOML."""
     key, equals, text = setting.partition("=")
@@ -160,7 +164,7 @@ def parse_setting(setting: str) -> Tree:
         path = tuple(_path_of_only_leaf(tree))
     except (tomllib.TOMLDecodeError, ValueError):
         raise BadInput(Fault("--set", setting, f"{key!r} is not a key, it must read section.key=value")) from None
-    if len(path) < 2:
+    if len(path) < 2 and path[0] not in LISTS:
         raise BadInput(Fault("--set", setting, "the key must begin with its section, as in simulation.step_s=0.001"))
     try:
         parsed = tomllib.loads(f"value = {text.strip()}")

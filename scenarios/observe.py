@@ -1,32 +1,13 @@
 """From truth to estimates: masks make readings, the on-board computer samples them, estimators answer."""
 
-import math
 from dataclasses import dataclass
 
-import numpy as np
-
-from estimators.interface import EstimateStream, Initial, Sample
+from estimators.interface import EstimateStream, Sample
 from estimators.onboard import samples
+from scenarios.known_start import known_start
 from scenarios.schema import Scenario
 from scenarios.truth import Truth
-from sensors import (
-    CALIBRATION_TERM,
-    IMU_SENSOR,
-    AxleSpeedReadings,
-    BaliseReadings,
-    Balises,
-    Calibration,
-    Imu,
-    ImuReadings,
-    Kinematics,
-    gravity_calibration,
-    random_stream,
-)
-
-START_SENSOR = 3
-"""Number of the knowledge of the starting position in the spawn keys of the random streams."""
-
-SPEED_SD_MPS = 0.5
+from sensors import BaliseReadings, Balises, Imu, ImuReadings, Kinematics
 
 
 @dataclass(frozen=True)
@@ -39,8 +20,8 @@ class Observation:
 
 
 def observe(scenario: Scenario, truth: Truth) -> Observation:
-    """Readings and estimates of a run. Everything random here hangs on the sensor seed alone."""
-    seed = scenario.scenario.sensor_seed
+    """Readings and estimates of a run. Everything random here hangs on `scenario.onboard_seed` alone."""
+    seed = scenario.onboard_seed
     motion = truth.motion
     kinematics = Kinematics(
         t_s=motion.t_s,
@@ -50,14 +31,7 @@ def observe(scenario: Scenario, truth: Truth) -> Observation:
     )
     imu = Imu(scenario.imu, scenario.simulation.record_period_s, seed).process(kinematics)
     balises = Balises(scenario.balises, seed).passed(motion.t_s, motion.position_m)
-    initial = known_start(
-        float(motion.t_s[0]),
-        float(motion.position_m[0]),
-        scenario.balises.accuracy_m,
-        truth.axle_speeds,
-        gravity_calibration(scenario.imu, random_stream(seed, IMU_SENSOR, CALIBRATION_TERM)),
-        seed,
-    )
+    initial = known_start(scenario, float(motion.t_s[0]), float(motion.position_m[0]), truth.axle_speeds)
     estimates = {}
     sampled: dict[float, list[Sample]] = {}
     for name, estimator in scenario.make_estimators().items():
@@ -67,28 +41,3 @@ def observe(scenario: Scenario, truth: Truth) -> Observation:
         estimator.reset(initial)
         estimates[name] = EstimateStream.of(map(estimator.step, sampled[period_s]))
     return Observation(imu, balises, estimates)
-
-
-def known_start(
-    t_s: float,
-    position_m: float,
-    accuracy_m: float,
-    axle_speeds: AxleSpeedReadings,
-    calibration: Calibration,
-    seed: int,
-) -> Initial:
-    """What a train knows when its estimators start: its position as from a balise just read, its speed from the
-    tachometers, the IMU's roll and pitch from the gravity calibration, and nothing of the gradient.
-    """
-    error_m = random_stream(seed, START_SENSOR, 0).uniform(-accuracy_m, accuracy_m)
-    first = axle_speeds.rows(slice(0, 1))
-    seen = first.axle_speed_mps[first.valid]
-    return Initial(
-        t_s=t_s,
-        position_m=position_m + error_m,
-        position_sd_m=max(accuracy_m / math.sqrt(3.0), 0.1),
-        speed_mps=float(np.median(seen)) if len(seen) else 0.0,
-        speed_sd_mps=SPEED_SD_MPS,
-        imu_roll_rad=calibration.imu_roll_rad,
-        imu_pitch_rad=calibration.imu_pitch_rad,
-    )

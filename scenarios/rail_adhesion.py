@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scenarios.cosimulation import Line
+from scenarios.cosimulation.line import Line
 from scenarios.metrics import stop_span
 from scenarios.schema import Scenario
 from scenarios.truth import RailStream, Truth

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from scenarios.compile_cache import source_fingerprint
-from scenarios.cosimulation import simulate
+from scenarios.cosimulation.simulation import simulate
 from scenarios.errors import RunFailed, RunInterrupted, SolveFailed
 from scenarios.metrics import estimator_errors, estimator_metrics, metrics_tree, stop_metrics, wheelset_metrics
 from scenarios.names import display_name

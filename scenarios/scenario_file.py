@@ -8,6 +8,7 @@ from typing import Any, get_type_hints
 import tomli_w
 from pydantic import BaseModel
 
+from scenarios.cosimulation.fault_entries import FAULT_KINDS, FaultEntry
 from scenarios.errors import BadInput, Fault
 from scenarios.faults import table_fault, unknown_key, validate_section
 from scenarios.layers import Layer, Merged, Tree, parse_setting, read_toml
@@ -16,7 +17,7 @@ from scenarios.relative_paths import anchor_paths, table_of
 from scenarios.schema import TICK_S, Scenario
 from sensors import Imu
 
-COMPOSED = ("creep_law", "wsp", "estimators")
+COMPOSED = ("creep_law", "wsp", "faults", "estimators")
 """Sections whose models depend on names in them."""
 
 PLAIN_MODELS: dict[str, type[BaseModel]] = {
@@ -121,6 +122,7 @@ def _validated(merged: Merged, faults: list[Fault]) -> Scenario | None:
     built["creep_law"] = _creep_law(merged, faults)
     built["wsp"] = _wsp(merged, faults)
     built["estimators"] = _estimators(merged, faults)
+    built["faults"] = _fault_entries(merged, faults)
     if faults:
         return None
     scenario = Scenario(**built, presets=merged.presets)
@@ -130,7 +132,7 @@ def _validated(merged: Merged, faults: list[Fault]) -> Scenario | None:
 
 def _contradictions(scenario: Scenario, merged: Merged) -> Iterator[Fault]:
     """What is right by itself but not together."""
-    from scenarios.cosimulation import Line  # brings compiled code along, which only a valid scenario needs
+    from scenarios.cosimulation.line import Line  # brings compiled code along, which only a valid scenario needs
 
     simulation = scenario.simulation
     try:
@@ -151,6 +153,11 @@ def _contradictions(scenario: Scenario, merged: Merged) -> Iterator[Fault]:
         key = f"wsp.controller = {scenario.wsp.controller!r}"
         must = f"its period_s = {period_s} must be a whole multiple of {TICK_S}"
         yield Fault(merged.origin(("wsp", "controller")), key, must)
+    reference = scenario.wsp.reference_estimator
+    if reference is not None and reference not in scenario.estimators.names:
+        key = f"wsp.reference_estimator = {reference!r}"
+        must = f"must be one of estimators.names ({', '.join(scenario.estimators.names) or 'none'})"
+        yield Fault(merged.origin(("wsp", "reference_estimator")), key, must)
     shown = [display_name(name) for name in scenario.estimators.names]
     if len(set(shown)) < len(shown):
         key = f"estimators.names = {list(scenario.estimators.names)!r}"
@@ -166,17 +173,28 @@ def _creep_law(merged: Merged, faults: list[Fault]) -> dict[str, Any] | None:
 
 
 def _wsp(merged: Merged, faults: list[Fault]) -> dict[str, Any] | None:
-    return _named(merged, faults, "wsp", "controller", "controller", partial(find_class, "controller"))
+    find = partial(find_class, "controller")
+    estimator = table_of(merged.tree, "wsp").get("reference_estimator")
+    if not isinstance(estimator, str | None):
+        key = f"wsp.reference_estimator = {estimator!r}"
+        faults.append(Fault(merged.origin(("wsp", "reference_estimator")), key, "must be the name of an estimator"))
+    return _named(merged, faults, "wsp", "controller", "controller", find, ("reference_estimator",))
 
 
 def _named(
-    merged: Merged, faults: list[Fault], section: str, key: str, kind: str, find: Callable[[str], Any]
+    merged: Merged,
+    faults: list[Fault],
+    section: str,
+    key: str,
+    kind: str,
+    find: Callable[[str], Any],
+    besides: tuple[str, ...] = (),
 ) -> dict[str, Any] | None:
-    """A section that names something and holds the parameters of what it names."""
+    """A section that names something and holds the parameters of what it names, and other keys `besides`."""
     table = _section_table(merged, section, faults)
     if table is None:
         return None
-    known = (key, "parameters")
+    known = (key, "parameters", *besides)
     faults.extend(unknown_key(merged, (section, other), known) for other in table if other not in known)
     name = table.get(key)
     if name is None:
@@ -187,7 +205,7 @@ def _named(
         return None
     where = (section, "parameters")
     parameters = validate_section(found.Parameters, table.get("parameters", {}), where, merged, faults)
-    return {key: name, "parameters": parameters}
+    return {key: name, "parameters": parameters, **{other: table[other] for other in besides if other in table}}
 
 
 def _estimators(merged: Merged, faults: list[Fault]) -> dict[str, Any] | None:
@@ -209,6 +227,22 @@ def _estimators(merged: Merged, faults: list[Fault]) -> dict[str, Any] | None:
             if name in names:
                 parameters[name] = built
     return {"names": tuple(names), "parameters": parameters}
+
+
+def _fault_entries(merged: Merged, faults: list[Fault]) -> tuple[FaultEntry, ...]:
+    entries = merged.tree.get("faults", [])
+    if not isinstance(entries, list):
+        faults.append(Fault(merged.origin(("faults",)), "faults", "must be an array of tables: [[faults]]"))
+        return ()
+    built = []
+    for k, entry in enumerate(entries):
+        kind = entry.get("kind") if isinstance(entry, dict) else None
+        if kind not in FAULT_KINDS:
+            key, must = f"faults.{k}.kind = {kind!r}", f"must be one of {', '.join(FAULT_KINDS)}"
+            faults.append(Fault(merged.origin(("faults",)), key, must))
+            continue
+        built.append(validate_section(FAULT_KINDS[kind], entry, ("faults", str(k)), merged, faults))
+    return tuple(entry for entry in built if entry is not None)
 
 
 def _section_table(merged: Merged, section: str, faults: list[Fault]) -> Tree | None:

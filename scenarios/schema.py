@@ -6,7 +6,9 @@ from typing import Self
 from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, field_validator, model_validator
 
 from estimators.interface import Estimator
-from scenarios.driver import DriverParameters
+from scenarios.cosimulation.driver import DriverParameters
+from scenarios.cosimulation.fault_entries import FaultEntry
+from scenarios.cosimulation.traction import TractionParameters
 from scenarios.names import find_class, find_creep_law
 from sensors import BaliseParameters, ImuParameters, TachometerParameters
 from vehicle import CoachParameters
@@ -92,6 +94,9 @@ class WspParameters(Section):
 
     controller: str
     parameters: SerializeAsAny[BaseModel]
+    reference_estimator: str | None = Field(
+        default=None, description="one of estimators.names, whose speed the controller gets as its reference"
+    )
 
 
 class EstimatorsParameters(Section):
@@ -112,8 +117,10 @@ class Scenario(Section):
     creep_law: CreepLawParameters
     sanding: SandingParameters
     driver: DriverParameters
+    traction: TractionParameters
     brake: BrakeParameters
     wsp: WspParameters
+    faults: tuple[FaultEntry, ...] = ()
     tachometers: TachometerParameters
     imu: ImuParameters
     balises: BaliseParameters
@@ -125,6 +132,11 @@ class Scenario(Section):
     @property
     def name(self) -> str:
         return self.scenario.name
+
+    @property
+    def onboard_seed(self) -> int:
+        """Seed of IMU, balises and starting position: an estimator in the loop lets them shape the truth."""
+        return self.scenario.sensor_seed if self.wsp.reference_estimator is None else self.scenario.world_seed
 
     def make_controller(self) -> Controller:
         """A new controller as the scenario has it."""

@@ -2,16 +2,17 @@
 
 import numpy as np
 
-from scenarios.cosimulation import Line
+from scenarios.cosimulation.line import Line
 from scenarios.metrics import stop_span
 from scenarios.schema import Scenario
 from scenarios.truth import Truth
 from vehicle import GRAVITY_MPS2
 from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_state import RailTables
-from wheel_rail.compiled import Array, Vector, compiled
+from wheel_rail.compiled import Array, Record, Vector, compiled
 from wheel_rail.recovery import CONDITION, offered_adhesion
 from wsp import FILL, Brake
+from wsp.brake import advance_brake
 
 _STEP_S = 0.01
 
@@ -33,19 +34,21 @@ def shortest_stop(scenario: Scenario, truth: Truth, begin: int | None = None) ->
     line = Line(scenario)
     coach = scenario.coach
     brake = Brake(scenario.brake, _STEP_S)
-    no_wsp = np.full(4, FILL, np.int8)
     motion = truth.motion
     # the demand as it was given; held at its last value should this stop take longer
     before_s = motion.t_s[start] - motion.t_s[0]
     times = np.arange(0.0, before_s + 3.0 * (motion.t_s[end] - motion.t_s[start]) + 60.0, _STEP_S)
     demand = np.interp(motion.t_s[0] + times, truth.brake.t_s[: end + 1], truth.brake.demand[: end + 1])
     radius_m = 0.5 * coach.wheelset.wheel_diameter_m
-    force_n = np.array([brake.step(float(d), no_wsp).sum() / radius_m for d in demand])
     offsets = truth.wheelsets.position_m[start] - motion.position_m[start]
     distance = _point_mass_stop(
         float(motion.position_m[start]),
         float(motion.speed_mps[start]),
-        force_n[round(before_s / _STEP_S) :],
+        demand,
+        np.interp(motion.t_s[0] + times[: round(before_s / _STEP_S)], motion.t_s, motion.speed_mps),
+        brake.record,
+        np.full(4, FILL, np.int8),
+        radius_m,
         offsets,
         coach.mass_kg,
         coach.effective_mass_kg,
@@ -63,14 +66,25 @@ def shortest_stop(scenario: Scenario, truth: Truth, begin: int | None = None) ->
 
 @compiled
 def _point_mass_stop(
-    position_m: float, speed_mps: float, force_n: Array, offsets_m: Array, mass_kg: float, effective_mass_kg: float,
-    resistance: Vector, gradient_permille: Array, rail: RailTables, law: tuple[int, int], extra: Array, patch: Vector,
-    load_n: float, shear_modulus_pa: float,
+    position_m: float, speed_mps: float, demand: Array, before_mps: Array, brake: Record, no_wsp: np.ndarray,
+    radius_m: float, offsets_m: Array, mass_kg: float, effective_mass_kg: float, resistance: Vector,
+    gradient_permille: Array, rail: RailTables, law: tuple[int, int], extra: Array, patch: Vector, load_n: float,
+    shear_modulus_pa: float,
 ) -> float:  # fmt: skip
-    """Distance to standstill, nan if the time of `force_n` (per 10 ms) does not suffice; midpoint in speed."""
+    """Distance to standstill, nan if the time of `demand` (per 10 ms) does not suffice; midpoint in speed.
+
+    The demands come from the begin of the run; while it had the speeds `before_mps` the brake alone goes along.
+    """
     condition = np.empty(CONDITION)
+    rate_radps = np.empty(4)
     start = position_m
-    for k in range(force_n.shape[0]):
+    for k in range(before_mps.shape[0]):
+        rate_radps[:] = before_mps[k] / radius_m
+        advance_brake(brake[0], demand[k], no_wsp, rate_radps, before_mps[k])
+    for k in range(before_mps.shape[0], demand.shape[0]):
+        rate_radps[:] = speed_mps / radius_m
+        advance_brake(brake[0], demand[k], no_wsp, rate_radps, speed_mps)
+        force_n = (np.sum(brake[0].torque_nm) + np.sum(brake[0].dynamic_torque_nm)) / radius_m
         limit = 0.0
         for i in range(4):
             for side in range(2):
@@ -83,7 +97,7 @@ def _point_mass_stop(
         place = min(max(int(position_m), 0), gradient_permille.shape[0] - 1)
         slope = mass_kg * GRAVITY_MPS2 * gradient_permille[place] / 1000.0
         # what the discs take out of the wheels' rotation does not pass through the rail
-        deceleration = min((force_n[k] + drag + slope) / effective_mass_kg, (limit + drag + slope) / mass_kg)
+        deceleration = min((force_n + drag + slope) / effective_mass_kg, (limit + drag + slope) / mass_kg)
         if speed_mps - deceleration * _STEP_S <= 0.0:
             return position_m + 0.5 * speed_mps * speed_mps / deceleration - start
         position_m += speed_mps * _STEP_S - 0.5 * deceleration * _STEP_S * _STEP_S

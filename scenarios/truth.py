@@ -10,6 +10,7 @@ from sensors.streams import WHEELS, WHEELSETS, XYZ, FloatArray, Int8Array, Strea
 from wheel_rail.adhesion_state import ENERGY_KEPT, SAND_KEPT, STATE_CELL_M
 
 RAILS = ("left", "right")
+BOGIES = ("front", "rear")
 
 
 class MotionStream(Stream):
@@ -40,9 +41,10 @@ class MotionStream(Stream):
     power_brake_w: FloatArray = quantity("W", about="power of the brake torques")
     power_drive_w: FloatArray = quantity("W", about="power of the drive torques")
     power_resistance_w: FloatArray = quantity("W", about="power of the running resistance")
+    power_track_brake_w: FloatArray = quantity("W", about="power of the magnetic track brakes")
     momentum_ns: FloatArray = quantity("N s", XYZ, about="of all bodies, world axes")
     external_force_n: FloatArray = quantity(
-        "N", XYZ, about="gravity, contacts and resistance on all bodies, world axes"
+        "N", XYZ, about="gravity, contacts, resistance and track brakes on all bodies, world axes"
     )
 
 
@@ -76,8 +78,18 @@ class BrakeStream(Stream):
     demand: FloatArray = quantity("1", about="brake demand, 1 is full service")
     distributor_pressure_bar: FloatArray = quantity("bar", about="gauge pressure at the distributor's output")
     cylinder_pressure_bar: FloatArray = quantity("bar", WHEELSETS, about="gauge pressure in the cylinders of the axle")
+    valve_command: Int8Array = quantity(
+        "1", WHEELSETS, about="command in force, before the valves' dead time: 0 fill, 1 hold, 2 vent", dtype=np.int8
+    )
     valve: Int8Array = quantity("1", WHEELSETS, about="state of the valves: 0 fill, 1 hold, 2 vent", dtype=np.int8)
-    friction_torque_capacity_nm: FloatArray = quantity("N m", WHEELSETS, about="largest friction torque of the discs")
+    safety_timer_fired: Int8Array = quantity(
+        "1", WHEELSETS, about="1 where the valves' safety timer has taken the axle from the controller", dtype=np.int8
+    )
+    friction_torque_capacity_nm: FloatArray = quantity("N m", WHEELSETS, about="largest friction torque of the brake")
+    dynamic_brake_torque_nm: FloatArray = quantity("N m", WHEELSETS, about="of the dynamic brake, against the rotation")
+    track_brake_force_n: FloatArray = quantity("N", BOGIES, about="friction of the magnets of a bogie on the rails")
+    disc_temperature_degc: FloatArray = quantity("degC", WHEELSETS, about="mean temperature of the discs of the axle")
+    reservoir_pressure_bar: FloatArray = quantity("bar", about="gauge pressure in the auxiliary reservoir")
     axle_speed_mps: FloatArray = quantity("m/s", WHEELSETS, about="speed as the wheel slide protection sees it")
     reference_speed_mps: FloatArray = quantity("m/s", about="of the wheel slide protection; nan where it has none")
     air_nl: FloatArray = quantity("nl", about="air drawn from the supply so far, normal litres")

@@ -18,7 +18,9 @@ from sensors.streams import BoolArray, FloatArray, Int8Array
 ANGLE, ANGULAR_SPEED, EDGE, REFERENCE_TIME, LAST_TIME, COUNT, DIRECTION, SPEED, VALID, TICK_TIME = range(10)
 # Constants stand in the same array, since every array costs time in a call: pitch on the rim in m of each wheelset; one
 # row with hysteresis in rad, clock in s, time-out in s; from TEETH on, position errors of the N teeth in pitches.
-PITCH, CONSTANTS, TEETH = 10, 11, 12
+# FAULT: what is wrong with a tachometer, one of the three below.
+PITCH, CONSTANTS, FAULT, TEETH = 10, 11, 12, 13
+SOUND, LOST, FROZEN = 0.0, 1.0, 2.0
 
 
 @nb.njit(cache=True)
@@ -43,7 +45,13 @@ def _note_edge(state: FloatArray, i: int, t_s: float, direction: float) -> None:
 @nb.njit(cache=True)
 def _note_tick(state: FloatArray, i: int, t_s: float, timeout_s: float) -> None:
     """Front end, one tick (M/T): pulses over the time between the edges that bound them; without new edges at most a
-    pitch in the time since the last one, and zero after the time-out."""
+    pitch in the time since the last one, and zero after the time-out. A lost tachometer is not valid, a frozen one
+    repeats itself."""
+    if state[FAULT, i] != SOUND:
+        if state[FAULT, i] == LOST:
+            state[SPEED, i] = 0.0
+            state[VALID, i] = 0.0
+        return
     pitch_m = state[PITCH, i]
     if state[COUNT, i] > 0.0 and state[LAST_TIME, i] > state[REFERENCE_TIME, i]:
         duration_s = state[LAST_TIME, i] - state[REFERENCE_TIME, i]
@@ -185,10 +193,11 @@ def advance(
                 else:
                     u = _crossing(target, u, end, c1, c2, c3)
                 earliest_s = _latched(before_s + u * period_s, earliest_s, t_s, clock_s)
-                edges[count, 0] = earliest_s
-                edges[count, 1] = i + 1 if forward else -(i + 1)
-                count += 1
-                _note_edge(state, i, earliest_s, 1.0 if forward else -1.0)
+                if state[FAULT, i] == SOUND:
+                    edges[count, 0] = earliest_s
+                    edges[count, 1] = i + 1 if forward else -(i + 1)
+                    count += 1
+                    _note_edge(state, i, earliest_s, 1.0 if forward else -1.0)
                 k += 1 if forward else -1
             start, start_turned = end, end_turned
         state[EDGE, i] = k

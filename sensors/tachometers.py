@@ -11,7 +11,7 @@ from sensors.readings import AxleSpeedReadings, TachometerReadings
 from sensors.streams import BoolArray, FloatArray
 
 _FIRST_CAPACITY = 1 << 16
-_ROOM_OF_A_TICK = 1 << 13
+ROOM_OF_A_TICK = 1 << 13
 
 Radius = Annotated[float, Field(gt=0.2, le=1.0)]
 
@@ -58,7 +58,8 @@ class Tachometers:
 
     Both are the same arrays at every tick, written anew. At the first tick each wheel is taken to have turned evenly
     before; edges put in for that carry times before the first tick. Tooth and eccentricity errors are drawn from `rng`
-    once, here.
+    once, here. Compiled code may call `pulse_edges.advance` itself, with `state`, `edges` and `count`, after
+    `make_room`.
     """
 
     def __init__(self, parameters: TachometerParameters, rng: np.random.Generator) -> None:
@@ -66,18 +67,28 @@ class Tachometers:
         n = parameters.pulses_per_revolution
         phase = rng.uniform(0.0, 2.0 * math.pi, 4)
         wave = np.sin(2.0 * math.pi * np.arange(n)[:, None] / n + phase) * n / (2.0 * math.pi)
-        self._state = _silent_state(parameters)
-        self._state[pulse_edges.TEETH :] = (
+        self.state = _silent_state(parameters)
+        self.state[pulse_edges.TEETH :] = (
             parameters.pitch_error_share * rng.standard_normal((n, 4)) + parameters.eccentricity_share * wave
         )
-        self._edges = np.empty((_FIRST_CAPACITY, 2))
-        self._count = 0
+        self.edges = np.empty((_FIRST_CAPACITY, 2))
+        self.count = 0
         self._now_s = -math.inf
-        self.axle_speed_mps: FloatArray = self._state[pulse_edges.SPEED]
-        self.front_end: FloatArray = self._state[pulse_edges.SPEED : pulse_edges.VALID + 1].reshape(8)
-        """(8,) the speeds and, as 1 or 0, whether they are valid; a view like them."""
-        self.valid: BoolArray = np.zeros(4, np.bool_)
-        self._all_valid = False
+        self.axle_speed_mps: FloatArray = self.state[pulse_edges.SPEED]
+
+    @property
+    def valid(self) -> BoolArray:
+        """(4,) whether the speeds are."""
+        valid: BoolArray = self.state[pulse_edges.VALID] > 0.0
+        return valid
+
+    def make_room(self, ticks: int = 1) -> bool:
+        """Let `edges` have room for so many ticks; whether it is a new array."""
+        if self.count + ticks * ROOM_OF_A_TICK <= len(self.edges):
+            return False
+        self.edges = np.concatenate([self.edges, np.empty_like(self.edges)])
+        self.make_room(ticks)
+        return True
 
     def advance(self, t_s: float, angle_rad: FloatArray, angular_speed_radps: FloatArray) -> None:
         """Go on to time t_s with the wheels' angles (4,) and angular speeds (4,), positive rolling forward.
@@ -86,20 +97,35 @@ class Tachometers:
         """
         if not t_s > self._now_s:
             raise ValueError(f"Tachometers.advance: t_s = {t_s} is not after the last tick at {self._now_s}")
-        if self._count + _ROOM_OF_A_TICK > len(self._edges):
-            self._edges = np.concatenate([self._edges, np.empty_like(self._edges)])
-        count = pulse_edges.advance(t_s, angle_rad, angular_speed_radps, self._state, self._edges, self._count)
+        self.make_room()
+        count = pulse_edges.advance(t_s, angle_rad, angular_speed_radps, self.state, self.edges, self.count)
         if count < 0:
-            raise ValueError(f"Tachometers.advance: more than {_ROOM_OF_A_TICK} edges up to t_s = {t_s}: angles jump")
-        self._count = count
+            raise ValueError(f"Tachometers.advance: more than {ROOM_OF_A_TICK} edges up to t_s = {t_s}: angles jump")
+        self.count = count
         self._now_s = t_s
-        if not self._all_valid:
-            np.greater(self._state[pulse_edges.VALID], 0.0, out=self.valid)
-            self._all_valid = bool(self.valid.all())
+
+    def lose(self, axle: int) -> None:
+        """Axle 0..3 gives no more pulses, and its speed is not valid."""
+        self.state[pulse_edges.FAULT, axle] = pulse_edges.LOST
+
+    def freeze(self, axle: int) -> None:
+        """The front end of axle 0..3 repeats its last speed as a valid one."""
+        self.state[pulse_edges.FAULT, axle] = pulse_edges.FROZEN
+
+    def restore(self, axle: int) -> None:
+        """Axle 0..3 counts again, from its next edge on; valid from the one after."""
+        self.state[pulse_edges.FAULT, axle] = pulse_edges.SOUND
+        self.state[[pulse_edges.DIRECTION, pulse_edges.COUNT, pulse_edges.VALID], axle] = 0.0
+
+    def believe(self, axle: int, *, teeth: int | None = None, radius_m: float | None = None) -> None:
+        """The front end of axle 0..3 counts on so many teeth and this wheel radius; None for what it was given."""
+        teeth = self.parameters.pulses_per_revolution if teeth is None else teeth
+        radius_m = self.parameters.wheel_radius_m[axle] if radius_m is None else radius_m
+        self.state[pulse_edges.PITCH, axle] = 2.0 * math.pi / teeth * radius_m
 
     def readings(self) -> TachometerReadings:
         """All edges so far, in the order of time."""
-        edges = self._edges[np.argsort(self._edges[: self._count, 0], kind="stable")]
+        edges = self.edges[np.argsort(self.edges[: self.count, 0], kind="stable")]
         return TachometerReadings(t_s=edges[:, 0], wheelset=np.abs(edges[:, 1]), direction=np.sign(edges[:, 1]))
 
 

@@ -17,7 +17,7 @@ import math
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ import numpy as np
 from vehicle.exudyn_system import assemble, load_exudyn, solver_settings
 from vehicle.forces import coach_force
 from vehicle.jacobian import coach_jacobian
-from vehicle.layout import COORDINATES, SPIN
+from vehicle.layout import ACTUATION, COORDINATES, SPIN
 from vehicle.observation import OBSERVATION, observe
 from vehicle.parameters import CoachParameters
 from vehicle.start import start_state
@@ -39,25 +39,32 @@ class SolverFailure(RuntimeError):
     """The integration did not reach its end: when, where and with which step."""
 
 
-@dataclass
 class Actuation:
-    """What acts on the coach during one step; per wheelset.
+    """What acts on the coach during one step.
 
-    `brake_torque_nm`: friction torque that the brake can hold, >= 0 (whether it slides or sticks comes out of the
-    motion); `drive_torque_nm`: positive forwards. `sanders` (m, 3): rows of `wheel_rail.sanding.Sanders`, at most 8.
+    Per wheelset (4,): `brake_torque_nm`, friction torque that the brake can hold, >= 0 (whether it slides or sticks
+    comes out of the motion), and `drive_torque_nm`, positive forwards. Per bogie (2,): `track_brake_force_n`, friction
+    of its magnets on the rails, >= 0. All three are views of `numbers` (10,). `sanders` (m, 3): rows of
+    `wheel_rail.sanding.Sanders`, at most 8.
     """
 
-    brake_torque_nm: np.ndarray = field(default_factory=lambda: np.zeros(4))
-    drive_torque_nm: np.ndarray = field(default_factory=lambda: np.zeros(4))
-    sanders: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    def __init__(self, sanders: np.ndarray | None = None) -> None:
+        self.numbers = np.zeros(ACTUATION)
+        self.brake_torque_nm = self.numbers[:4]
+        self.drive_torque_nm = self.numbers[4:8]
+        self.track_brake_force_n = self.numbers[8:]
+        self.sanders = np.zeros((0, 3)) if sanders is None else sanders
 
 
 class CoachState:
-    """The coach at the instant of a callback; arrays are views that change from step to step."""
+    """The coach at the instant of a callback; arrays are views that change from step to step.
+
+    `addresses`: of the coach's record and of the one in which `vehicle.observation.observe` works, for compiled code.
+    """
 
     def __init__(self, q: np.ndarray, v: np.ndarray, record: np.ndarray) -> None:
         self._watching = record.copy()
-        self._addresses = address_of(record), address_of(self._watching)
+        self.addresses = address_of(record), address_of(self._watching)
         self._velocity = v[:3]
         self._place = record["s"][0]
         self._rows, self._first_row = np.zeros(0, OBSERVATION), 0
@@ -80,7 +87,7 @@ class CoachState:
         """Write the full observation into `rows[row]`, a contiguous array of dtype `OBSERVATION`."""
         if rows is not self._rows:
             self._rows, self._first_row = rows, address_of(rows)
-        observe(t_s, *self._addresses, self._first_row + row * OBSERVATION.itemsize)
+        observe(t_s, *self.addresses, self._first_row + row * OBSERVATION.itemsize)
 
 
 @dataclass(frozen=True)
@@ -180,7 +187,7 @@ class _Run:
         self._raised: BaseException | None = None
         self._lost: str | None = None
         self._step_s = step_s
-        self._coach = record[0]
+        self._actuation: Actuation | None = None  # kept alive: the coach reads it by its address
         force = np.zeros(COORDINATES)
         jacobian = np.zeros((COORDINATES, COORDINATES))
         container = sys.modules["exudyn"].MatrixContainer
@@ -206,8 +213,9 @@ class _Run:
                     return False
                 if answer is None:
                     return False
-                capacity[:] = answer.brake_torque_nm
-                drive[:] = answer.drive_torque_nm
+                if answer is not self._actuation:
+                    self._actuation = answer
+                    coach["actuation_at"] = address_of(answer.numbers)
                 if answer.sanders.size:
                     coach["sander_count"] = len(answer.sanders)
                     coach["sanders"][: len(answer.sanders)] = answer.sanders
@@ -229,7 +237,6 @@ class _Run:
         q = mbs.systemData.GetODE2Coordinates(copy=False)
         v = mbs.systemData.GetODE2Coordinates_t(copy=False)
         a = mbs.systemData.GetODE2Coordinates_tt(copy=False)
-        capacity, drive = self._coach["capacity"], self._coach["drive"]
         coach = record[0]
         coach["solver_at"] = [address_of(array) for array in (q, v, a, force)]
         coach["track_at"], coach["track_nodes"] = address_of(track), len(track)

@@ -1,12 +1,13 @@
 """All forces on the coach in one compiled routine, by class.
 
-Classes (rows of `force`): gravity, suspension, normal contact (with flange), creep, brake, drive, resistance,
-gyroscopic terms of the turning bodies and spinning wheelsets. Their sum is the right-hand side of M q'' = f; each
-class times the velocities is its power, so that energy is audited class by class.
+Classes (rows of `force`): gravity, suspension, normal contact (with flange), creep, brake, drive, resistance, magnetic
+track brake, gyroscopic terms of the turning bodies and spinning wheelsets. Their sum is the right-hand side of
+M q'' = f; each class times the velocities is its power, so that energy is audited class by class.
 """
 
 import math
 
+from vehicle.layout import CLASSES
 from vehicle.parameters import GRAVITY_MPS2
 from vehicle.suspension import add_suspension, body_frames
 from wheel_rail.adhesion_condition import rail_condition
@@ -16,7 +17,9 @@ from wheel_rail.compiled import Array, Record, compiled
 from wheel_rail.contact import flange_force, wheel_contact
 from wheel_rail.track import track_frame
 
-GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, GYROSCOPIC = range(8)
+GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, TRACK_BRAKE, GYROSCOPIC = range(CLASSES)
+
+_STANDING_MPS = 0.05  # below this speed the force of a track brake fades, so that it holds and does not push
 
 
 @compiled
@@ -84,8 +87,26 @@ def _brake_torque(i: int, angle: float, spin_radps: float, coach: Record) -> tup
 
 
 @compiled
+def _add_track_brake(b: int, v: Array, coach: Record, force: Array) -> None:
+    """Friction of the magnets of bogie body b (1, 2) on the rails: along the track, at the rails' height."""
+    front, rear = coach.frame[2 * b - 2], coach.frame[2 * b - 1]
+    at = 6 * b
+    speed = 0.0
+    for j in range(3):
+        speed += 0.5 * v[at + j] * (front[3 + j] + rear[3 + j])
+    drag = coach.track_brake[b - 1] * math.tanh(speed / _STANDING_MPS)
+    rotation = coach.rotation[b]
+    for j in range(3):
+        force[at + j] = -0.5 * drag * (front[3 + j] + rear[3 + j])
+        about = 0.0
+        for k in range(3):
+            about += 0.5 * rotation[k, j] * (front[6 + k] + rear[6 + k])
+        force[at + 3 + j] = drag * coach.track_brake_arm * about
+
+
+@compiled
 def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailTables) -> None:
-    """Fill `coach.force` (8, 46); needs nothing but the state and the step memory of the brake."""
+    """Fill `coach.force` (CLASSES, 46); needs nothing but the state and the step memory of the brake."""
     body_frames(q, v, coach)
     force = coach.force
     force[:, :] = 0.0
@@ -106,6 +127,9 @@ def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailT
     drag = math.copysign(drag, speed)
     for j in range(3):
         force[RESISTANCE, j] = -drag * frame[3 + j]
+    for b in range(1, 3):
+        if coach.track_brake[b - 1] > 0.0:
+            _add_track_brake(b, v, coach, force[TRACK_BRAKE])
     for i in range(4):
         at, spin_at, bogie = 18 + 6 * i, 42 + i, 6 * coach.bogie_of[i]
         rotation = coach.rotation[3 + i]
@@ -149,7 +173,7 @@ def add_classes(coach: Record, f: Array) -> None:
     """Sum of the force classes into f (46,)."""
     for j in range(46):
         total = 0.0
-        for k in range(8):
+        for k in range(CLASSES):
             total += coach.force[k, j]
         f[j] = total
 

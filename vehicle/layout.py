@@ -24,6 +24,8 @@ SPIN = 42  # first spin coordinate
 ELEMENTS = 20  # 8 primary, 4 secondary, 4 yaw dampers, 2 traction rods, 2 anti-roll bars
 CURVE_POINTS = 12
 CURVES = 7
+CLASSES = 9  # of forces
+ACTUATION = 10  # brake torque (4) and drive torque (4) of the wheelsets, track brake force (2) of the bogies
 
 COACH = np.dtype(
     [
@@ -53,12 +55,14 @@ COACH = np.dtype(
         ("curve_slope", "f8", (CURVES, CURVE_POINTS)),  # of the piece that ends at the point
         ("curve_points", "i8", (CURVES,)),
         ("bogie_of", "i8", (4,)),
+        ("track_brake_arm", "f8"),  # height of a bogie's centre over the rails, m
         ("track_origin_m", "f8"),
         # where the arrays of a run stand: q, v, accelerations and forces of the solver, track and rail
         ("solver_at", "i8", (4,)),
         ("track_at", "i8"),
         ("track_nodes", "i8"),
         ("rail", RAIL),
+        ("actuation_at", "i8"),
         # what changes from step to step
         ("attitude", "f8", (BODIES, 4)),  # unit quaternion (w, x, y, z) of the last committed rotation
         ("turned", "f8", (BODIES, 3)),  # turn coordinates at that rotation
@@ -69,6 +73,7 @@ COACH = np.dtype(
         ("s", "f8", (5,)),  # place of the wheelsets and of the carbody's centre along the track
         ("capacity", "f8", (4,)),  # friction torque that the brake can hold, Nm
         ("drive", "f8", (4,)),  # drive torque, Nm
+        ("track_brake", "f8", (2,)),  # friction of each bogie's magnets, N
         ("wind_up", "f8", (4,)),  # elastic angle of a stuck caliper, rad
         ("angle", "f8", (4,)),  # spin angle at which wind_up was taken, rad
         ("steps", "i8"),
@@ -93,7 +98,7 @@ COACH = np.dtype(
         ("old_stuck", "f8", (4,)),
         ("old_heading", "f8", (2,)),  # of the carbody, as x and y of its x axis
         # scratch
-        ("force", "f8", (8, COORDINATES)),
+        ("force", "f8", (CLASSES, COORDINATES)),
         ("moment", "f8", (BODIES, 3)),
         ("probe_element", "f8", (12,)),
         ("probe_map", "f8", (12,)),
@@ -123,6 +128,7 @@ def coach_record(parameters: CoachParameters, contact: Contact) -> np.ndarray:
     c["caliper_damping"] = p.caliper.damping_nmsprad
     c["contact"] = contact.constants
     c["bogie_of"] = (1, 1, 2, 2)
+    c["track_brake_arm"] = p.bogie.height_m
     _curves(c, p)
     _elements(c, p, centres(p, contact))
     c["turns"] = np.any(c["rotational_stiffness"] + c["rotational_damping"] > 0.0, axis=1)

@@ -7,8 +7,18 @@ import math
 
 import numpy as np
 
-from vehicle.forces import BRAKE, CONTACT_NORMAL, CREEP, DRIVE, GRAVITY, RESISTANCE, SUSPENSION, forces_by_class
-from vehicle.layout import coach_at
+from vehicle.forces import (
+    BRAKE,
+    CONTACT_NORMAL,
+    CREEP,
+    DRIVE,
+    GRAVITY,
+    RESISTANCE,
+    SUSPENSION,
+    TRACK_BRAKE,
+    forces_by_class,
+)
+from vehicle.layout import CLASSES, coach_at
 from vehicle.parameters import GRAVITY_MPS2
 from wheel_rail.adhesion_memory import MEMORY
 from wheel_rail.adhesion_state import rail_of
@@ -17,7 +27,7 @@ from wheel_rail.contact import LATERAL, LONGITUDINAL, NORMAL, SLIDE_POWER
 from wheel_rail.recovery import CONDITION
 
 # order of the force classes in `power_w`
-POWERS = ("gravity", "suspension", "contact_normal", "creep", "brake", "drive", "resistance")
+POWERS = ("gravity", "suspension", "contact_normal", "creep", "brake", "drive", "resistance", "track_brake")
 
 OBSERVATION = np.dtype(
     [
@@ -32,7 +42,7 @@ OBSERVATION = np.dtype(
         ("angular_rate_radps", "f8", (3,)),
         ("angular_acceleration_radps2", "f8", (3,)),
         ("kinetic_energy_j", "f8"),
-        ("power_w", "f8", (7,)),
+        ("power_w", "f8", (len(POWERS),)),
         ("momentum_ns", "f8", (3,)),  # world axes
         ("external_force_n", "f8", (3,)),
         ("wheelset_position_m", "f8", (4,)),
@@ -75,6 +85,7 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
     for i in range(4):
         coach.capacity[i] = running.capacity[i]
         coach.drive[i] = running.drive[i]
+        coach.track_brake[i // 2] = running.track_brake[i // 2]
         coach.wind_up[i] = running.wind_up[i]
         coach.angle[i] = running.angle[i]
         for side in range(2):
@@ -95,7 +106,7 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
     accelerations = np.empty(3)
     for j in range(3):
         total = 0.0
-        for k in range(8):
+        for k in range(CLASSES):
             total += force[k, j]
         accelerations[j] = total / coach.mass[0]
     along = accelerations[0] * frame[3] + accelerations[1] * frame[4] + accelerations[2] * frame[5]
@@ -107,7 +118,7 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
         )
         out.angular_rate_radps[j] = v[3 + j]
         moment = 0.0
-        for k in range(8):
+        for k in range(CLASSES):
             moment += force[k, 3 + j]
         out.angular_acceleration_radps2[j] = moment / coach.inertia[0, j]
 
@@ -123,13 +134,14 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
                 + force[CONTACT_NORMAL, 6 * i + j]
                 + force[CREEP, 6 * i + j]
                 + force[RESISTANCE, 6 * i + j]
+                + force[TRACK_BRAKE, 6 * i + j]
             )
             energy += 0.5 * (coach.mass[i] * v[6 * i + j] ** 2 + coach.inertia[i, j] * v[6 * i + 3 + j] ** 2)
     for i in range(4):
         energy += 0.5 * coach.spin_inertia * v[42 + i] ** 2
     out.kinetic_energy_j = energy
-    classes = (GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE)
-    for k in range(7):
+    classes = (GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, TRACK_BRAKE)
+    for k in range(len(classes)):
         power = 0.0
         for j in range(46):
             power += force[classes[k], j] * v[j]

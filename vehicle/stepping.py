@@ -9,7 +9,7 @@ compiled call before the step does everything and Exudyn need not call back for 
 import math
 
 from vehicle.forces import add_classes, forces_by_class
-from vehicle.layout import coach_at
+from vehicle.layout import ACTUATION, coach_at
 from vehicle.suspension import commit_attitudes
 from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_memory import remember_friction
@@ -44,9 +44,13 @@ def begin_step(address: int, step_s: float) -> int:
     for j in range(46):
         if not math.isfinite(v[j]):
             return LOST
-    for i in range(4):
-        if not math.isfinite(coach.capacity[i] + coach.drive[i]):
+    actuation = array_at(coach.actuation_at, (ACTUATION,))
+    for i in range(ACTUATION):
+        if not math.isfinite(actuation[i]):
             return LOST
+    for i in range(4):
+        coach.capacity[i], coach.drive[i] = actuation[i], actuation[4 + i]
+        coach.track_brake[i // 2] = actuation[8 + i // 2]
     for i in range(4):
         # the wind-up of a stuck caliper follows the wheel up to what its capacity holds
         limit = coach.capacity[i] / coach.caliper_stiffness

@@ -1,159 +1,296 @@
-"""The brake plant of four axles: demand -> distributor -> hold and vent valves -> cylinders -> disc friction torque."""
+"""The brake plant of four axles: demand -> distributor -> hold and vent valves -> cylinders -> friction torque.
 
-import math
+Beside it the dynamic brake, blended in per bogie, and the magnetic track brake. Order of a step from t to t + step_s:
+distributor and reservoir pressure, valves by the commands of t - dead time, blending, cylinders, friction (at the
+wheels' speeds of t and the temperature before the step), reservoir.
+"""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from wsp.brake_record import AXLES, BRAKE, brake_record, conductance_step_dm3pbar
+from wsp.compiled import CodeArray, FloatArray, Record, compiled
+from wsp.cylinder import exchange_air
+from wsp.dynamic_brake import blend, press_magnets
+from wsp.friction import friction_coefficient, heat_disc
 from wsp.parameters import BrakeParameters
-from wsp.pneumatics import ATMOSPHERE_BAR, REFERENCE_TEMPERATURE_K, pressure_emptied_bar, pressure_filled_bar
-from wsp.valves import FILL, HOLD, VENT, exhaust_open, mean_passage, passage_after, supply_open
-
-AXLES = 4
-
-# Every array handed to a compiled function costs about 0.1 us, so state and constants share one array of floats, the
-# valves and their delay line one of int8.
-_DISTRIBUTOR, _DRAWN, _VENTED = 0, 1, 2
-_CYLINDER, _TORQUE, _SUPPLY, _EXHAUST = 3, 7, 11, 15
-_FULL, _RISE, _FALL, _OPENING, _FILL_EXCHANGE, _VENT_EXCHANGE, _CRITICAL, _NORMAL, _TORQUE_PER_BAR, _SPRING = range(
-    19, 29
+from wsp.pneumatics import ATMOSPHERE_BAR, pressure_filled_bar
+from wsp.valves import (
+    FILL,
+    FREE,
+    HOLD,
+    STUCK_OPEN,
+    STUCK_SHUT,
+    VENT,
+    exhaust_open,
+    mean_passage,
+    passage_after,
+    stuck_at,
+    supply_open,
 )
-_FLOATS = 29
+
+__all__ = ["AXLES", "BRAKE", "Brake", "advance_brake"]
+
+_POSITIONS = {None: FREE, "open": STUCK_OPEN, "shut": STUCK_SHUT}
+_STUCK_FIELDS = {"hold": "supply_stuck", "vent": "exhaust_stuck"}
 
 
-@njit(cache=True)
-def _exchange_with_distributor(floats: NDArray[np.float64], axle: int, source_bar: float, exchange: float) -> None:
-    before = floats[_CYLINDER + axle] + ATMOSPHERE_BAR
-    if source_bar >= before:
-        after = pressure_filled_bar(before, source_bar, exchange, floats[_CRITICAL])
-        floats[_DRAWN] += (after - before) * floats[_NORMAL]
-    else:  # releasing: the cylinder empties through the distributor, which lets the air out
-        after = pressure_emptied_bar(before, source_bar, exchange, floats[_CRITICAL])
-        floats[_VENTED] += (before - after) * floats[_NORMAL]
-    floats[_CYLINDER + axle] = max(0.0, after - ATMOSPHERE_BAR)
+@compiled
+def _follow_demand(demand: float, b: Record) -> None:
+    target = demand * b.full_bar
+    if target >= b.control_bar:
+        b.control_bar = min(target, b.control_bar + b.rise_bar)
+    else:
+        b.control_bar = max(target, b.control_bar - b.fall_bar)
+    # at the end of the step: a cylinder in balance with the distributor is then in step with it
+    b.distributor_bar = min(b.control_bar, b.reservoir_bar)
 
 
-@njit(cache=True)
-def _advance(
-    floats: NDArray[np.float64], valves: NDArray[np.int8], command: NDArray[np.int8], demand: float, tick: int
+@compiled
+def _energise(command: CodeArray, b: Record) -> None:
+    """Valve codes in force in this step: the commands of one dead time ago, if the safety timer lets them."""
+    slots = b.slots
+    written = b.tick % slots
+    read = (b.tick + 1) % slots  # the oldest; the one of this very step when there is no dead time
+    for axle in range(AXLES):
+        b.commands[written, axle] = command[axle]
+    for axle in range(AXLES):
+        code = b.commands[read, axle]
+        if code == FILL:
+            b.energised_steps[axle] = 0
+            b.timer_fired[axle] = 0
+        elif b.energised_steps[axle] >= b.timer_steps:
+            b.timer_fired[axle] = 1
+            code = FILL
+        else:
+            b.energised_steps[axle] += 1
+        b.valve[axle] = code
+    b.tick += 1
+
+
+@compiled
+def _supply(axle: int, passage_dm3pbar: float, b: Record) -> float:
+    """Air from the distributor's relay, or back to it, which lets it out; returns what was drawn, bar dm3.
+
+    Cylinders above a reservoir that cannot supply the relay's pressure keep their air: a check valve.
+    """
+    relay = b.relay_bar[axle // 2]
+    source = min(relay, b.reservoir_bar)
+    if b.cylinder_bar[axle] < source:
+        return exchange_air(axle, source, passage_dm3pbar, b)
+    if b.cylinder_bar[axle] > relay:
+        b.vented_nl -= exchange_air(axle, relay, passage_dm3pbar, b) * b.nl_per_bar_dm3
+    return 0.0
+
+
+@compiled
+def _let_out(axle: int, vent_dm3pbar: float, b: Record) -> None:
+    leak = b.leak_dm3pbar[axle]
+    passage = vent_dm3pbar + leak
+    if passage <= 0.0 or b.cylinder_bar[axle] <= 0.0:
+        return
+    lost = -exchange_air(axle, 0.0, passage, b) * b.nl_per_bar_dm3
+    share = leak / passage
+    b.leaked_nl += share * lost
+    b.vented_nl += lost - share * lost
+
+
+@compiled
+def _advance_cylinder(axle: int, b: Record) -> float:
+    """Valves and pressure of an axle over one step; returns the air drawn, bar dm3."""
+    code = b.valve[axle]
+    share = b.opening_share
+    supply, exhaust = b.supply[axle], b.exhaust[axle]
+    supply_target = stuck_at(supply_open(code), b.supply_stuck[axle])
+    exhaust_target = stuck_at(exhaust_open(code), b.exhaust_stuck[axle])
+    if b.cut_out[axle]:
+        supply_target, exhaust_target = 0.0, 1.0
+    fill = b.fill_dm3pbar
+    vent = 0.0
+    if supply != supply_target:
+        fill *= mean_passage(supply, supply_target, share)
+        b.supply[axle] = passage_after(supply, supply_target, share)
+    else:
+        fill *= supply
+    if exhaust != exhaust_target:
+        vent = b.vent_dm3pbar * mean_passage(exhaust, exhaust_target, share)
+        b.exhaust[axle] = passage_after(exhaust, exhaust_target, share)
+    elif exhaust > 0.0:
+        vent = b.vent_dm3pbar
+    drawn = 0.0
+    if vent > 0.0 and fill > 0.0:
+        # both passages are open, as while the pair changes over: split symmetrically
+        fill *= 0.5
+        drawn = _supply(axle, fill, b)
+    if vent + b.leak_dm3pbar[axle] > 0.0:
+        _let_out(axle, vent, b)
+    if fill > 0.0:
+        drawn += _supply(axle, fill, b)
+    return drawn
+
+
+@compiled
+def _resupply(drawn: float, b: Record) -> None:
+    """Take the air drawn (bar dm3) from the reservoir and let the feed pipe charge it."""
+    pressure = b.reservoir_bar
+    if drawn > 0.0:
+        b.drawn_nl += drawn * b.nl_per_bar_dm3
+        pressure -= drawn / b.reservoir_dm3
+    if b.feed_open and pressure < b.feed_bar:
+        source = b.feed_bar + ATMOSPHERE_BAR
+        exchange = b.feed_dm3pbar / b.reservoir_dm3
+        after = pressure_filled_bar(pressure + ATMOSPHERE_BAR, source, exchange, b.critical_ratio)
+        charged = b.feed_bar if after >= source else after - ATMOSPHERE_BAR
+        b.supplied_nl += (charged - pressure) * b.reservoir_dm3 * b.nl_per_bar_dm3
+        pressure = charged
+    b.reservoir_bar = pressure
+
+
+@compiled
+def advance_brake(
+    record: Record, demand: float, command: CodeArray, wheel_rate_radps: FloatArray, speed_mps: float
 ) -> bool:
-    """One base step; False (and nothing changed) if demand or a valve code is out of range."""
-    if not (0.0 <= demand <= 1.0) or command.shape[0] != AXLES:
+    """One step of the plant, on a record of BRAKE; False (and nothing changed) for input that makes no sense.
+
+    demand 0..1; command (4,) int8 valve codes; wheel_rate_radps (4,) and speed_mps as they are when the step begins.
+    """
+    if not (0.0 <= demand <= 1.0) or command.shape[0] != AXLES or wheel_rate_radps.shape[0] != AXLES:
+        return False
+    if not np.isfinite(speed_mps):
         return False
     for axle in range(AXLES):
-        if command[axle] < FILL or command[axle] > VENT:
+        if command[axle] < FILL or command[axle] > VENT or not np.isfinite(wheel_rate_radps[axle]):
             return False
 
-    target = demand * floats[_FULL]
-    if target >= floats[_DISTRIBUTOR]:
-        floats[_DISTRIBUTOR] = min(target, floats[_DISTRIBUTOR] + floats[_RISE])
+    _follow_demand(demand, record)
+    _energise(command, record)
+    if record.blends:
+        blend(wheel_rate_radps, record)
     else:
-        floats[_DISTRIBUTOR] = max(target, floats[_DISTRIBUTOR] - floats[_FALL])
-    # The pressure at the end of the step: a cylinder in balance with the distributor is then in step with it.
-    source_bar = floats[_DISTRIBUTOR] + ATMOSPHERE_BAR
+        record.relay_bar[0] = record.control_bar
+        record.relay_bar[1] = record.control_bar
+    if record.attraction_n > 0.0:
+        press_magnets(speed_mps, record)
 
-    slots = valves.shape[0] // AXLES - 1
-    written = AXLES * (1 + tick % slots)
-    read = AXLES * (1 + (tick + 1) % slots)  # the oldest command; the one of this very step when there is no dead time
-    share = floats[_OPENING]
+    drawn = 0.0
     for axle in range(AXLES):
-        valves[written + axle] = command[axle]
-        code = valves[read + axle]
-        valves[axle] = code
-        supply, supply_target = floats[_SUPPLY + axle], supply_open(code)
-        exhaust, exhaust_target = floats[_EXHAUST + axle], exhaust_open(code)
-        fill_exchange = floats[_FILL_EXCHANGE] * mean_passage(supply, supply_target, share)
-        vent_exchange = floats[_VENT_EXCHANGE] * mean_passage(exhaust, exhaust_target, share)
-        floats[_SUPPLY + axle] = passage_after(supply, supply_target, share)
-        floats[_EXHAUST + axle] = passage_after(exhaust, exhaust_target, share)
-
-        if vent_exchange > 0.0:
-            # Both passages are open for some milliseconds while the pair changes over: split symmetrically.
-            if fill_exchange > 0.0:
-                _exchange_with_distributor(floats, axle, source_bar, 0.5 * fill_exchange)
-            before = floats[_CYLINDER + axle] + ATMOSPHERE_BAR
-            after = pressure_emptied_bar(before, ATMOSPHERE_BAR, vent_exchange, floats[_CRITICAL])
-            floats[_VENTED] += (before - after) * floats[_NORMAL]
-            floats[_CYLINDER + axle] = max(0.0, after - ATMOSPHERE_BAR)
-            if fill_exchange > 0.0:
-                _exchange_with_distributor(floats, axle, source_bar, 0.5 * fill_exchange)
-        elif fill_exchange > 0.0:
-            _exchange_with_distributor(floats, axle, source_bar, fill_exchange)
-        floats[_TORQUE + axle] = floats[_TORQUE_PER_BAR] * max(0.0, floats[_CYLINDER + axle] - floats[_SPRING])
+        drawn += _advance_cylinder(axle, record)
+        torque = 0.0
+        if record.pad_bar[axle] > 0.0:
+            force = record.force_per_bar_n * record.pad_bar[axle]
+            torque = force * record.radius_m * friction_coefficient(axle, wheel_rate_radps[axle], record)
+        record.torque_nm[axle] = torque
+        if record.heats:
+            heat_disc(axle, torque * abs(wheel_rate_radps[axle]), speed_mps, record)
+    _resupply(drawn, record)
     return True
 
 
-class Brake:
-    """Pneumatic disc brake of four axles, advanced by one base step at a time from empty cylinders.
+@compiled
+def _advance_first(records: np.ndarray, demand: float, command: CodeArray, rate: FloatArray, speed: float) -> bool:
+    return advance_brake(records[0], demand, command, rate, speed)
 
-    The command of the step that begins at t acts from t + dead time on, to the sample. The air comes at the
-    distributor's output pressure, from a reservoir that does not run low. Isothermal, fixed cylinder volume; flow by
-    ISO 6358 (wsp.pneumatics).
+
+class Brake:
+    """The brake plant, advanced by one base step at a time from empty cylinders and a full reservoir.
+
+    The command of the step that begins at t acts from t + dead time on, to the sample. Isothermal air; flow by ISO 6358
+    (wsp.pneumatics), stroke and linkage by wsp.cylinder, friction and heat by wsp.friction. Faults are set by methods,
+    axles counted 0..3, and last until they are taken back.
     """
 
-    DISTRIBUTOR, DRAWN, VENTED = _DISTRIBUTOR, _DRAWN, _VENTED
-    CYLINDER, TORQUE = slice(_CYLINDER, _CYLINDER + AXLES), slice(_TORQUE, _TORQUE + AXLES)
-    """Where these stand in plant_state."""
-
     def __init__(self, parameters: BrakeParameters, step_s: float) -> None:
-        """Raises ValueError for a step that is not positive and finite."""
-        if not (math.isfinite(step_s) and step_s > 0.0):
-            raise ValueError(f"step_s = {step_s}: a positive number of seconds is needed")
+        """Raises ValueError for a step that is not positive and finite, or too short for the valves' dead time."""
         self.parameters = parameters
         self.step_s = step_s
-        warmth = (parameters.air_temperature_degc + 273.15) / REFERENCE_TEMPERATURE_K
-        exchange_per_conductance = step_s * math.sqrt(warmth) / parameters.cylinder_volume_dm3
-        newton_per_bar = 1e5 * parameters.cylinder_area_m2 * parameters.lever_ratio
-        floats = np.zeros(_FLOATS)
-        floats[_SUPPLY : _SUPPLY + AXLES] = 1.0
-        floats[_FULL] = parameters.full_service_pressure_bar
-        floats[_RISE] = parameters.full_service_pressure_bar / parameters.application_time_s * step_s
-        floats[_FALL] = parameters.full_service_pressure_bar / parameters.release_time_s * step_s
-        floats[_OPENING] = step_s / parameters.valve_opening_time_s
-        floats[_FILL_EXCHANGE] = parameters.fill_conductance_dm3psbar * exchange_per_conductance
-        floats[_VENT_EXCHANGE] = parameters.vent_conductance_dm3psbar * exchange_per_conductance
-        floats[_CRITICAL] = parameters.critical_ratio
-        floats[_NORMAL] = parameters.cylinder_volume_dm3 / (ATMOSPHERE_BAR * warmth)
-        floats[_TORQUE_PER_BAR] = (
-            parameters.discs_per_axle * parameters.pad_friction * newton_per_bar * parameters.disc_effective_radius_m
-        )
-        floats[_SPRING] = parameters.return_spring_pressure_bar
-        self._floats = floats
-        self._valves = np.full(AXLES * (2 + round(parameters.valve_dead_time_s / step_s)), FILL, dtype=np.int8)
-        self._tick = 0
-        self._torque_nm = floats[_TORQUE : _TORQUE + AXLES]
-        self.plant_state: NDArray[np.float64] = floats[: _TORQUE + AXLES]
-        """(11,) distributor pressure, air drawn and vented, cylinder pressures, torques; a view."""
-        self.cylinder_pressure_bar: NDArray[np.float64] = floats[_CYLINDER : _CYLINDER + AXLES]
+        self.record: np.ndarray = brake_record(parameters, step_s)
+        """(1,) of BRAKE: all that the plant is; compiled code hands `record[0]` to advance_brake."""
+        self._b = self.record[0]
+        self._torque_nm: NDArray[np.float64] = self.record["torque_nm"][0]
+        self.cylinder_pressure_bar: NDArray[np.float64] = self.record["cylinder_bar"][0]
         """(4,) gauge; a view that follows the plant."""
-        self.valve_state: NDArray[np.int8] = self._valves[:AXLES]
+        self.valve_state: NDArray[np.int8] = self.record["valve"][0]
         """(4,) FILL, HOLD or VENT as the valves were energised in the step done last, dead time included; a view."""
 
     @property
     def distributor_pressure_bar(self) -> float:
         """Output pressure of the distributor, gauge."""
-        return float(self._floats[_DISTRIBUTOR])
+        return float(self._b["distributor_bar"])
 
     @property
     def air_nl(self) -> float:
-        """Air drawn from the supply so far, in normal litres (1.013 bar, 20 degC)."""
-        return float(self._floats[_DRAWN])
+        """Air drawn from the reservoir so far, in normal litres (1.013 bar, 20 degC)."""
+        return float(self._b["drawn_nl"])
 
     @property
     def vented_nl(self) -> float:
-        """Air let out so far, by the vent valves and by releasing: air_nl less what is in the cylinders."""
-        return float(self._floats[_VENTED])
+        """Air let out so far, by the vent valves and by releasing: air_nl less what leaked and what cylinders hold."""
+        return float(self._b["vented_nl"])
 
-    def step(self, demand: float, valve: NDArray[np.int8]) -> NDArray[np.float64]:
+    @property
+    def track_brake_on(self) -> bool:
+        """Whether the magnetic track brake is switched on; without effect where there is none."""
+        return bool(self._b["track_brake_on"])
+
+    @track_brake_on.setter
+    def track_brake_on(self, on: bool) -> None:
+        self._b["track_brake_on"] = on
+
+    def step(
+        self,
+        demand: float,
+        valve: NDArray[np.int8],
+        wheel_rate_radps: NDArray[np.float64],
+        speed_mps: float,
+    ) -> NDArray[np.float64]:
         """Advance by one base step; return the friction torque capacity of each axle at its end, (4,) Nm >= 0, a view.
 
-        demand 0..1 of full service; valve (4,) int8 commands. Raises ValueError for anything else.
+        demand 0..1 of full service; valve (4,) int8 commands; wheel_rate_radps (4,) and the train's speed_mps as they
+        are when the step begins, of either sign. Raises ValueError for anything else.
         """
-        if not _advance(self._floats, self._valves, valve, demand, self._tick):
+        if not _advance_first(self.record, demand, valve, wheel_rate_radps, speed_mps):
             raise ValueError(
-                f"demand = {demand}, valve = {valve}: a demand of 0..1 and {AXLES} valve codes are needed, "
-                f"{FILL} (fill), {HOLD} (hold) or {VENT} (vent)"
+                f"demand = {demand}, valve = {valve}, wheel_rate_radps = {wheel_rate_radps}, speed_mps = {speed_mps}: "
+                f"a demand of 0..1 and {AXLES} valve codes are needed, {FILL} (fill), {HOLD} (hold) or {VENT} (vent), "
+                f"with {AXLES} finite speeds of rotation and a finite speed"
             )
-        self._tick += 1
         return self._torque_nm
+
+    def stick_valve(self, axle: int, valve: str, position: str | None) -> None:
+        """The passage of the axle's "hold" or "vent" valve stays "open" or "shut" from now on; None frees it.
+
+        Open is the passage: a hold valve stuck open always fills, a vent valve stuck open always vents.
+        """
+        if valve not in _STUCK_FIELDS or position not in _POSITIONS:
+            raise ValueError(f"valve = {valve!r}, position = {position!r}: 'hold' or 'vent', 'open', 'shut' or None")
+        self._b[_STUCK_FIELDS[valve]][_checked(axle)] = _POSITIONS[position]
+
+    def leak(self, axle: int, conductance_dm3psbar: float) -> None:
+        """The axle's cylinders lose air through a hole of this conductance beside their usual leakage; 0: mended."""
+        if not 0.0 <= conductance_dm3psbar <= 1000.0:
+            raise ValueError(f"conductance_dm3psbar = {conductance_dm3psbar}: 0 to 1000 is needed")
+        total = self.parameters.leakage_dm3psbar + conductance_dm3psbar
+        self._b["leak_dm3pbar"][_checked(axle)] = conductance_step_dm3pbar(total, self.parameters, self.step_s)
+
+    def cut_out(self, axle: int, out: bool) -> None:
+        """Shut the axle's pneumatic brake off by its cock, which vents its cylinders, or put it in again."""
+        self._b["cut_out"][_checked(axle)] = out
+
+    def fail_supply(self, pressure_bar: float | None) -> None:
+        """The feed pipe is lost and the reservoir has fallen to pressure_bar (gauge) at most; None: it is back."""
+        b = self._b
+        if pressure_bar is None:
+            b["feed_open"] = True
+            return
+        if not 0.0 <= pressure_bar <= 12.0:
+            raise ValueError(f"pressure_bar = {pressure_bar}: 0 to 12 bar gauge is needed, or None")
+        b["feed_open"] = False
+        lost = max(0.0, b["reservoir_bar"] - pressure_bar)
+        b["let_off_nl"] += lost * b["reservoir_dm3"] * b["nl_per_bar_dm3"]
+        b["reservoir_bar"] -= lost
+
+
+def _checked(axle: int) -> int:
+    if axle not in range(AXLES):
+        raise ValueError(f"axle = {axle}: 0 to {AXLES - 1} is needed, counted from the front")
+    return axle

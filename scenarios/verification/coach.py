@@ -5,7 +5,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from scenarios.cosimulation import Line
+from scenarios.cosimulation.line import Line
 from scenarios.scenario_file import load_scenario
 from scenarios.schema import Scenario
 from scenarios.units import KMH_PER_MPS
@@ -68,7 +68,8 @@ def _run(
 ) -> np.ndarray:
     """Observations (dtype OBSERVATION) of every step of a run with constant brake torque per wheelset."""
     rows = np.zeros(round(duration_s / step_s) + 2, OBSERVATION)
-    actuation = Actuation(brake_torque_nm=np.array(brake_torque_nm))
+    actuation = Actuation()
+    actuation.brake_torque_nm[:] = brake_torque_nm
     count = 0
 
     def on_step(t_s: float, state: CoachState) -> Actuation | None:

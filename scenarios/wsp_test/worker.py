@@ -11,7 +11,7 @@ from multiprocessing.synchronize import Event
 from pathlib import Path
 from typing import TypeVar
 
-from scenarios.cosimulation import simulate
+from scenarios.cosimulation.simulation import simulate
 from scenarios.errors import RunInterrupted
 from scenarios.shortest_stop import shortest_stop
 from scenarios.truth import Truth

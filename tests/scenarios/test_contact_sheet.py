@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from scenarios.cli import app
 from scenarios.contact_sheet import contact_sheet
-from scenarios.cosimulation import Line
+from scenarios.cosimulation.line import Line
 from scenarios.figures.contact_geometry import draw_tabulated_geometry
 from scenarios.scenario_file import load_scenario
 

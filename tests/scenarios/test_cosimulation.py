@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from pydantic import BaseModel, ValidationError
 
-from scenarios import cosimulation
-from scenarios.cosimulation import simulate
-from scenarios.driver import Driver, DriverParameters
+from scenarios.cosimulation import simulation
+from scenarios.cosimulation.driver import Driver, DriverParameters
+from scenarios.cosimulation.traction import TractionParameters
+from scenarios.cosimulation.loop import Loop
+from scenarios.cosimulation.simulation import simulate
 from scenarios.errors import SolveFailed
 from scenarios.metrics import stop_metrics
 from scenarios.observe import observe
@@ -17,6 +19,7 @@ from scenarios.scenario_file import load_scenario
 from scenarios.schema import TICK_S, Scenario
 from scenarios.shortest_stop import shortest_stop
 from scenarios.truth import Truth
+from vehicle import Actuation, CoachState
 from wsp import FILL, VENT, ControllerOutput
 
 SLOW_STOP = (
@@ -169,7 +172,7 @@ def test_a_command_acts_one_tick_and_the_dead_time_later(step_s: float, monkeypa
     """Inputs of tick k, answer in force at tick k + 1, and the valve moves after its dead time: to the sample."""
     script = Script(None)
     monkeypatch.setattr(Scenario, "make_controller", lambda self: script)
-    monkeypatch.setattr(cosimulation, "_compile", lambda *_: None)  # two ticks that the script would note
+    monkeypatch.setattr(simulation, "_compile", lambda *_: None)  # two ticks that the script would note
     settings = (
         *SLOW_STOP,
         "simulation.longest_s=1",
@@ -206,14 +209,15 @@ def test_a_track_too_short_says_so_and_keeps_what_it_had() -> None:
 
 
 def test_a_solve_that_breaks_down_keeps_what_it_had(monkeypatch: pytest.MonkeyPatch) -> None:
-    steps = cosimulation.Brake.step
+    on_step = Loop.on_step
 
-    def broken(self: Any, demand: float, valve: Any) -> Any:
-        torque = steps(self, demand, valve)
-        return torque * (math.nan if self.cylinder_pressure_bar[0] > 1.0 else 1.0)
+    def broken(self: Loop, t_s: float, state: CoachState) -> Actuation | None:
+        actuation = on_step(self, t_s, state)
+        if actuation is not None and self.brake.record["cylinder_bar"][0, 0] > 1.0:
+            actuation.brake_torque_nm[0] = math.nan
+        return actuation
 
-    monkeypatch.setattr(cosimulation.Brake, "step", broken)
-    monkeypatch.setattr(cosimulation, "_compile", lambda *_: None)
+    monkeypatch.setattr(Loop, "on_step", broken)
     with pytest.raises(SolveFailed, match=r"not finite at t = .*step of 5 ms") as failure:
         run(*SLOW_STOP)
     assert isinstance(failure.value.partial, Truth)
@@ -225,7 +229,7 @@ def phases(*items: dict[str, Any]) -> DriverParameters:
 
 def test_driver_holds_a_speed_on_a_point_mass() -> None:
     """56 t against 2.5 kN: after the start the speed stays within 0.1 km/h."""
-    driver = Driver(phases({"from_m": 0.0, "action": "hold", "speed_kmh": 120.0}), 0.1)
+    driver = Driver(phases({"from_m": 0.0, "action": "hold", "speed_kmh": 120.0}), TractionParameters(), 0.1)
     speed, history = 119.0 / 3.6, []
     for _ in range(1200):
         driver.step(0.0, speed)
@@ -242,6 +246,7 @@ def test_driver_goes_through_its_phases_and_limits_the_rise_of_traction() -> Non
             {"from_m": 100.0, "action": "coast"},
             {"from_m": 200.0, "action": "brake", "demand": 0.5},
         ),
+        TractionParameters(),
         0.1,
     )
     forces = []

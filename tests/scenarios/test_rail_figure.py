@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from scenarios.cosimulation import Line
+from scenarios.cosimulation.line import Line
 from scenarios.figures.rail import draw_rail
 from scenarios.figures.style import with_extremes
 from scenarios.rail_adhesion import RailAdhesion, adhesion_along_rail

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scenarios.cosimulation import simulate
+from scenarios.cosimulation.simulation import simulate
 from scenarios.scenario_file import load_scenario
 from scenarios.truth import Truth
 from wheel_rail.adhesion_state import STATE_CELL_M

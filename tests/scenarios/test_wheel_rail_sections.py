@@ -7,7 +7,8 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from scenarios.cosimulation import Line, simulate
+from scenarios.cosimulation.line import Line
+from scenarios.cosimulation.simulation import simulate
 from scenarios.errors import BadInput
 from scenarios.metrics import stop_metrics
 from scenarios.parquet import write_stream

@@ -170,7 +170,7 @@ def stop_coach(
             output = controller.step(coach[0], speeds, valid, applied, 1, np.nan)
             answer = output.valve.copy()
             rows.append((*coach[:3], *rims, output.reference_speed_mps, *brake.cylinder_pressure_bar, *answer))
-        torque = brake.step(applied, valve)
+        torque = brake.step(applied, valve, rims / RADIUS_M, coach[2])
         before, time_s = rims.copy(), coach[0]
         advance(coach, rims, torque, peak(coach[1]) / PEAK_PER_MU0, step_s)
         count_edges(edges, teeth, time_s, step_s, before, rims)
@@ -186,9 +186,17 @@ def stop_coach(
 
 
 @pytest.fixture(scope="session")
-def coach_brake() -> BrakeParameters:
+def presets() -> dict[str, BrakeParameters]:
+    """All brake presets by name."""
+    return {
+        name: BrakeParameters.model_validate(tomllib.loads(path.read_text())) for name, path in BRAKE_PRESETS.items()
+    }
+
+
+@pytest.fixture(scope="session")
+def coach_brake(presets: dict[str, BrakeParameters]) -> BrakeParameters:
     """The preset of the 56 t coach."""
-    return BrakeParameters.model_validate(tomllib.loads(BRAKE_PRESETS["lhb-discs-56t"].read_text()))
+    return presets["lhb-discs-56t"]
 
 
 @pytest.fixture(scope="session")

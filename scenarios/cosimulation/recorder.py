@@ -1,79 +1,71 @@
 """Records the co-simulation at its own period into rows that grow, and makes the streams of truth from them."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
+from scenarios.cosimulation.core import BRAKE_ROW
 from scenarios.truth import BrakeStream, MotionStream, WheelsetStream
-from vehicle import OBSERVATION, POWERS, CoachState
+from vehicle import OBSERVATION, POWERS
 from wheel_rail import Contact, Track
 from wheel_rail.compiled import Array, Vector, compiled
 from wheel_rail.recovery import offered_adhesion
-from wsp import Brake, ControllerOutput
 
+_BLOCK = 4096
 _STILL_MPS = 0.1  # below this slip has no meaning and is recorded as zero
 
 
 class Recorder:
-    """One row of coach and brake per call of `record`, in blocks: what is written is not copied again in the run."""
+    """Rows of coach and brake in blocks, which the compiled loop fills: what is written is not copied in the run.
 
-    _BRAKE_COLUMNS = 21
-    _BLOCK = 4096
+    `block`: the arrays (of dtypes OBSERVATION and BRAKE_ROW) being filled; `rows`: how far, once the run is over.
+    """
 
     def __init__(self) -> None:
         self._full: list[tuple[np.ndarray, np.ndarray]] = []
-        self._begin_block()
+        self.block = _new_block()
+        self._before = 0
+        self.rows = 0
 
-    def _begin_block(self) -> None:
-        self._motion = np.zeros(self._BLOCK, OBSERVATION)
-        self._brake = np.zeros((self._BLOCK, self._BRAKE_COLUMNS))
-        self._rows = 0
+    def make_room(self, rows: int, needed: int) -> int:
+        """With `rows` of the block filled and so many more to come: begin another one if they do not fit; its rows."""
+        if rows + needed <= _BLOCK:
+            return rows
+        motion, brake = self.block
+        self._full.append((motion[:rows], brake[:rows]))
+        self.block = _new_block()
+        self._before += rows
+        return 0
+
+    def motion_rows(self, first: int, last: int) -> np.ndarray:
+        """Rows first..last - 1 of the motion since the start; they may lie in the last two blocks."""
+        begin, end = first - self._before, last - self._before
+        rows = self.block[0][max(begin, 0) : end]
+        return np.concatenate([self._full[-1][0][begin:], rows]) if begin < 0 else rows
 
     @property
+    def before(self) -> int:
+        """Rows before those of the block."""
+        return self._before
+
+    def _rows_of(self, kind: int) -> np.ndarray:
+        return np.concatenate([*(block[kind] for block in self._full), self.block[kind][: self.rows]])
+
+    @cached_property
     def _motion_rows(self) -> np.ndarray:
-        return np.concatenate([*(motion for motion, _ in self._full), self._motion[: self._rows]])
-
-    @property
-    def _brake_rows(self) -> np.ndarray:
-        return np.concatenate([*(brake for _, brake in self._full), self._brake[: self._rows]])
-
-    def record(
-        self,
-        t_s: float,
-        state: CoachState,
-        demand: float,
-        brake: Brake,
-        axle_speed_mps: np.ndarray,
-        output: ControllerOutput,
-    ) -> None:
-        """Write what is true at `t_s`; the brake as it stands before the step that begins there."""
-        if self._rows == self._BLOCK:
-            self._full.append((self._motion, self._brake))
-            self._begin_block()
-        n = self._rows
-        state.observe(t_s, self._motion, n)
-        row = self._brake[n]
-        row[0] = demand
-        row[1] = output.reference_speed_mps
-        row[2:6] = axle_speed_mps
-        row[6:10] = brake.valve_state
-        row[10:21] = brake.plant_state
-        self._rows = n + 1
+        return self._rows_of(0)
 
     def brake_stream(self) -> BrakeStream:
         """Brake, valves and what the WSP sees."""
-        rows = self._brake_rows
-        plant = rows[:, 10:21]
+        rows = self._rows_of(1)
+        whole = ("valve", "valve_command", "safety_timer_fired")
         return BrakeStream(
-            t_s=self._motion_rows["t_s"],
-            demand=rows[:, 0],
-            reference_speed_mps=rows[:, 1],
-            axle_speed_mps=rows[:, 2:6],
-            valve=rows[:, 6:10].astype(np.int8),
-            distributor_pressure_bar=plant[:, Brake.DISTRIBUTOR],
-            air_nl=plant[:, Brake.DRAWN],
-            cylinder_pressure_bar=plant[:, Brake.CYLINDER],
-            friction_torque_capacity_nm=plant[:, Brake.TORQUE],
+            t_s=self._motion_rows["t_s"].copy(),
+            valve=rows["valve"].astype(np.int8),
+            valve_command=rows["valve_command"].astype(np.int8),
+            safety_timer_fired=rows["safety_timer_fired"].astype(np.int8),
+            **_fields(rows, [name for name in BRAKE_ROW.names or () if name not in whole]),
         )
 
     def motion_stream(self, track: Track) -> MotionStream:
@@ -121,6 +113,10 @@ class Recorder:
             peak_adhesion=offered,
             peak_slip=at_slip,
         )
+
+
+def _new_block() -> tuple[np.ndarray, np.ndarray]:
+    return np.zeros(_BLOCK, OBSERVATION), np.zeros(_BLOCK, BRAKE_ROW)
 
 
 def _fields(rows: np.ndarray, names: Sequence[str]) -> dict[str, np.ndarray]:

@@ -4,6 +4,7 @@ from typing import Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from scenarios.cosimulation.traction import TractionParameters
 from scenarios.units import KMH_PER_MPS
 
 
@@ -19,6 +20,9 @@ class DriverPhase(BaseModel):
         default=None, gt=0.0, le=1.0, description="share of full service; for action = 'brake' only"
     )
 
+    sand: bool = Field(default=False, description="the driver sands, at every sander")
+    track_brake: bool = Field(default=False, description="the driver has the magnetic track brakes on")
+
     @model_validator(mode="after")
     def _has_what_it_needs(self) -> Self:
         for key, action in (("speed_kmh", "hold"), ("demand", "brake")):
@@ -32,13 +36,11 @@ class DriverPhase(BaseModel):
 
 
 class DriverParameters(BaseModel):
-    """Phases along the line, and what the traction can do while a speed is held."""
+    """Phases along the line."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     phases: tuple[DriverPhase, ...] = Field(min_length=1)
-    largest_traction_n: float = Field(default=60_000.0, gt=0.0, description="of all four wheelsets together")
-    traction_rise_nps: float = Field(default=30_000.0, gt=0.0)
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -61,16 +63,19 @@ class Driver:
     _GAIN_NSPM = 40_000.0  # one m/s too slow asks for most of the traction of a coach
     _RESET_TIME_S = 10.0
 
-    def __init__(self, parameters: DriverParameters, period_s: float) -> None:
+    def __init__(self, parameters: DriverParameters, traction: TractionParameters, period_s: float) -> None:
         self._parameters = parameters
+        self._traction = traction
         self._period_s = period_s
         self._phase = 0
         self._integral_n = 0.0
         self.traction_n = 0.0
         self.demand = 0.0
+        self.sand = False
+        self.track_brake = False
 
     def step(self, position_m: float, speed_mps: float) -> None:
-        """One tick: update `traction_n` (whole coach, >= 0) and `demand` (0..1)."""
+        """One tick: update `traction_n` (whole coach, >= 0), `demand` (0..1), `sand` and `track_brake`."""
         phases = self._parameters.phases
         while self._phase + 1 < len(phases) and position_m >= phases[self._phase + 1].from_m:
             self._phase += 1
@@ -79,12 +84,13 @@ class Driver:
         if phase.speed_kmh is not None:
             error = phase.speed_kmh / KMH_PER_MPS - speed_mps
             wanted = self._GAIN_NSPM * error + self._integral_n
-            limited = min(max(wanted, 0.0), self._parameters.largest_traction_n)
+            limited = min(max(wanted, 0.0), self._traction.force_limit_n(speed_mps))
             if limited == wanted:
                 self._integral_n += self._GAIN_NSPM * error * self._period_s / self._RESET_TIME_S
             wanted = limited
         else:
             self._integral_n = 0.0
-        rise = self._parameters.traction_rise_nps * self._period_s
+        rise = self._traction.force_rise_nps * self._period_s
         self.traction_n = min(max(wanted, self.traction_n - rise), self.traction_n + rise)
         self.demand = phase.demand or 0.0
+        self.sand, self.track_brake = phase.sand, phase.track_brake

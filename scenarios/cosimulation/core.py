@@ -1,0 +1,169 @@
+"""What the co-simulation does at every tick and period, compiled: one call each, by the address of its record."""
+
+import math
+
+import numpy as np
+
+from sensors import pulse_edges
+from sensors.tachometers import ROOM_OF_A_TICK
+from vehicle.layout import ACTUATION, SPIN, coach_at
+from vehicle.observation import OBSERVATION, observe
+from wheel_rail.compiled import array_at, compiled, record_reader
+from wsp.brake import BRAKE, advance_brake
+
+BRAKE_ROW = np.dtype(
+    [
+        ("demand", "f8"),
+        ("reference_speed_mps", "f8"),
+        ("axle_speed_mps", "f8", (4,)),
+        ("valve_command", "f8", (4,)),
+        ("valve", "f8", (4,)),
+        ("distributor_pressure_bar", "f8"),
+        ("reservoir_pressure_bar", "f8"),
+        ("cylinder_pressure_bar", "f8", (4,)),
+        ("friction_torque_capacity_nm", "f8", (4,)),
+        ("dynamic_brake_torque_nm", "f8", (4,)),
+        ("track_brake_force_n", "f8", (2,)),
+        ("disc_temperature_degc", "f8", (4,)),
+        ("safety_timer_fired", "f8", (4,)),
+        ("air_nl", "f8"),
+    ]
+)
+"""One row of what is recorded of the brake."""
+
+LOOP = np.dtype(
+    [
+        # where things stand: records of coach and brake, tachometers, rows to be written, actuation
+        ("coach_at", "i8"),
+        ("watching_at", "i8"),
+        ("brake_at", "i8"),
+        ("tachometer_at", "i8"),
+        ("tachometer_rows", "i8"),
+        ("edges_at", "i8"),
+        ("edges_room", "i8"),
+        ("seen_at", "i8"),
+        ("seen_room", "i8"),
+        ("motion_at", "i8"),
+        ("brake_rows_at", "i8"),
+        ("rows_room", "i8"),
+        ("actuation_at", "i8"),
+        # how far they are written
+        ("rows_per_tick", "i8"),
+        ("edge_count", "i8"),
+        ("ticks", "i8"),
+        ("row", "i8"),
+        # commands: of the WSP as answered and in force, of the driver in force
+        ("answer", "i1", (4,)),
+        ("command", "i1", (4,)),
+        ("demand", "f8"),
+        ("drive_torque_nm", "f8", (4,)),
+        ("reference_speed_mps", "f8"),
+        # what was seen at the last tick
+        ("valid", "u1", (4,)),
+        ("speed_mps", "f8"),
+        ("position_m", "f8"),
+        ("moved", "i8"),
+        ("still_ticks", "i8"),
+    ]
+)
+
+loop_at = record_reader(LOOP)
+_brake_at = record_reader(BRAKE)
+_brake_row_at = record_reader(BRAKE_ROW)
+
+LOOKED, NO_ROOM, JUMPED = range(3)
+
+STANDSTILL_MPS = 0.02
+_MOTION_BYTES, _BRAKE_BYTES = OBSERVATION.itemsize, BRAKE_ROW.itemsize
+_SEEN_BYTES = 64
+_DYNAMIC_FADES_RADPS = 0.2  # a retarder's torque goes through zero with the wheel's rotation
+
+
+@compiled
+def look(address: int, t_s: float, latching: bool) -> int:
+    """A tick: the tachometers look at the wheels; if `latching`, the valve commands answered come into force.
+
+    LOOKED; or NO_ROOM, and nothing done, if an array cannot take what the tick may bring; or JUMPED if a wheel's angle
+    has jumped by thousands of pulses.
+    """
+    loop = loop_at(address)
+    if (
+        loop.edge_count + ROOM_OF_A_TICK > loop.edges_room
+        or loop.ticks >= loop.seen_room
+        or loop.row + loop.rows_per_tick > loop.rows_room
+    ):
+        return NO_ROOM
+    coach = coach_at(loop.coach_at)
+    q, v = array_at(coach.solver_at[0], (46,)), array_at(coach.solver_at[1], (46,))
+    state = array_at(loop.tachometer_at, (loop.tachometer_rows, 4))
+    edges = array_at(loop.edges_at, (loop.edges_room, 2))
+    count = pulse_edges.advance(t_s, q[SPIN:], v[SPIN:], state, edges, loop.edge_count)
+    if count < 0:
+        return JUMPED
+    loop.edge_count = count
+    seen = array_at(loop.seen_at + _SEEN_BYTES * loop.ticks, (8,))
+    for i in range(4):
+        seen[i] = state[pulse_edges.SPEED, i]
+        seen[4 + i] = state[pulse_edges.VALID, i]
+        loop.valid[i] = 1 if seen[4 + i] > 0.0 else 0
+        if latching:
+            loop.command[i] = loop.answer[i]
+    loop.ticks += 1
+    loop.position_m = coach.s[4]
+    loop.speed_mps = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    if loop.speed_mps > STANDSTILL_MPS:
+        loop.moved = 1
+        loop.still_ticks = 0
+    else:
+        loop.still_ticks += 1
+    return LOOKED
+
+
+@compiled
+def act(address: int, t_s: float, recording: bool) -> bool:
+    """A period: write down what is true at `t_s` if `recording`, then advance the brake plant and set the actuation.
+
+    False if the plant refuses demand or commands.
+    """
+    loop = loop_at(address)
+    coach = coach_at(loop.coach_at)
+    brake = _brake_at(loop.brake_at)
+    v = array_at(coach.solver_at[1], (46,))
+    if recording:
+        observe(t_s, loop.coach_at, loop.watching_at, loop.motion_at + loop.row * _MOTION_BYTES)
+        _write_brake_row(address)
+        loop.row += 1
+    speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    if not advance_brake(brake, loop.demand, loop.command, v[SPIN:], speed):
+        return False
+    actuation = array_at(loop.actuation_at, (ACTUATION,))
+    for i in range(4):
+        actuation[i] = brake.torque_nm[i]
+        turning = math.tanh(v[SPIN + i] / _DYNAMIC_FADES_RADPS) if brake.dynamic_torque_nm[i] > 0.0 else 0.0
+        actuation[4 + i] = loop.drive_torque_nm[i] - brake.dynamic_torque_nm[i] * turning
+    actuation[8], actuation[9] = brake.track_brake_force_n[0], brake.track_brake_force_n[1]
+    return True
+
+
+@compiled
+def _write_brake_row(address: int) -> None:
+    loop = loop_at(address)
+    brake = _brake_at(loop.brake_at)
+    row = _brake_row_at(loop.brake_rows_at + loop.row * _BRAKE_BYTES)
+    state = array_at(loop.tachometer_at, (loop.tachometer_rows, 4))
+    row.demand = loop.demand
+    row.reference_speed_mps = loop.reference_speed_mps
+    row.distributor_pressure_bar = brake.distributor_bar
+    row.reservoir_pressure_bar = brake.reservoir_bar
+    row.air_nl = brake.drawn_nl
+    for i in range(4):
+        row.axle_speed_mps[i] = state[pulse_edges.SPEED, i]
+        row.valve_command[i] = loop.command[i]
+        row.valve[i] = brake.valve[i]
+        row.cylinder_pressure_bar[i] = brake.cylinder_bar[i]
+        row.friction_torque_capacity_nm[i] = brake.torque_nm[i]
+        row.dynamic_brake_torque_nm[i] = brake.dynamic_torque_nm[i]
+        row.disc_temperature_degc[i] = brake.disc_temperature_degc[i]
+        row.safety_timer_fired[i] = brake.timer_fired[i]
+    row.track_brake_force_n[0] = brake.track_brake_force_n[0]
+    row.track_brake_force_n[1] = brake.track_brake_force_n[1]

@@ -1,0 +1,267 @@
+"""What happens at each base step of a co-simulation, and what it leaves behind; see `simulation` for the order."""
+
+import math
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+
+from scenarios.cosimulation.core import LOOKED, LOOP, act, look
+from scenarios.cosimulation.driver import Driver
+from scenarios.cosimulation.faults_at_work import FaultsAtWork
+from scenarios.cosimulation.line import Line
+from scenarios.cosimulation.outside import Outside, View
+from scenarios.cosimulation.recorder import Recorder
+from scenarios.cosimulation.reference import EstimatedReference
+from scenarios.cosimulation.traction import Traction
+from scenarios.errors import RunInterrupted
+from scenarios.schema import TICK_S, Scenario, SimulationParameters
+from scenarios.truth import SolveRecord, Truth, rail_stream
+from sensors import AxleSpeedReadings, Tachometers, random_stream
+from vehicle import Actuation, CoachState, SolveReport
+from wheel_rail.compiled import address_of
+from wheel_rail.sanding import Sanders
+from wsp import Brake, ControllerOutput
+
+# number of the random stream that hangs on the world seed
+TACHOMETER_STREAM = 101
+
+STANDSTILL_LASTS_S = 2.0
+DRIVER_PERIOD_S = 0.1
+_TICKS_PER_DRIVER = round(DRIVER_PERIOD_S / TICK_S)
+_PROGRESS_TICKS = 20
+_FIRST_TICKS = 4096
+
+LONGEST_LOOP_PERIOD_S = 0.005
+
+
+def loop_period_s(simulation: SimulationParameters) -> float:
+    """Period of brake plant and recorder: the longest one up to 5 ms that is a whole multiple of the step and goes
+    into the record period (which goes into the tick)."""
+    step = simulation.step_s
+    steps_per_record = round(simulation.record_period_s / step)
+    fitting = [n for n in range(1, steps_per_record + 1) if steps_per_record % n == 0]
+    return max(n * step for n in fitting if n == 1 or n * step <= LONGEST_LOOP_PERIOD_S + 1e-9)
+
+
+class Loop:
+    """The coach's callback `on_step` with all that it works: brake, tachometers, controller, driver, recorder."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        line: Line,
+        on_progress: Callable[[float, float, float], None],
+        stop_requested: Callable[[], bool],
+        outside: Outside | None = None,
+    ) -> None:
+        self._scenario = scenario
+        self._line = line
+        self._on_progress = on_progress
+        self._stop_requested = stop_requested
+        self._outside = outside
+        simulation = scenario.simulation
+        self.period_s = loop_period_s(simulation)
+        self._periods_per_tick = round(TICK_S / self.period_s)
+        self._periods_per_record = round(simulation.record_period_s / self.period_s)
+        radius_m = 0.5 * scenario.coach.wheelset.wheel_diameter_m
+        self.tachometers = Tachometers(
+            scenario.tachometers, random_stream(scenario.scenario.world_seed, TACHOMETER_STREAM, 0)
+        )
+        self._controller = scenario.make_controller()
+        self._controller.reset(0.0, 1)
+        self._ticks_per_control = round(self._controller.period_s / TICK_S)
+        self._driver = Driver(scenario.driver, scenario.traction, DRIVER_PERIOD_S)
+        self._traction = Traction(scenario.traction, radius_m, TICK_S)
+        self.brake = Brake(scenario.brake, self.period_s)
+        name = scenario.wsp.reference_estimator
+        self._reference = None if name is None else EstimatedReference(scenario, name)
+        self._estimated_rows = 0
+        self._view = View(self.tachometers, self.brake)
+        self._faults = FaultsAtWork(scenario.faults, self.brake, self.tachometers)
+        self._recorder = Recorder()
+        self._first_m, self._last_m = line.places_m
+        self._sanders = Sanders(scenario.sanding, TICK_S)
+        self._actuation = Actuation(self._sanders.rows)
+        self._rail_before = line.state.table.copy()
+        self._output = ControllerOutput()
+        self._demand = self._traction_n = 0.0
+        self._drives = False
+        self._driver_sands = self._driver_brakes_track = False
+        self._periods = 0
+        self._ticks = 0
+        self._seen = np.zeros((_FIRST_TICKS, 8))  # axle speeds and whether they are valid, one row per tick
+        self.off_the_line = False
+        self.stopped = False
+        self.record = np.zeros(1, LOOP)
+        numbers = self.record[0]
+        numbers["brake_at"] = address_of(self.brake.record)
+        numbers["tachometer_at"] = address_of(self.tachometers.state)
+        numbers["tachometer_rows"] = len(self.tachometers.state)
+        numbers["actuation_at"] = address_of(self._actuation.numbers)
+        numbers["rows_per_tick"] = round(TICK_S / simulation.record_period_s)
+        numbers["reference_speed_mps"] = np.nan
+        self._numbers = numbers
+        self._address = address_of(self.record)
+        self._answer, self._valid = numbers["answer"], numbers["valid"].view(np.bool_)
+        self._axle_speed = self.tachometers.axle_speed_mps
+
+    @property
+    def has_rows(self) -> bool:
+        """Whether anything has been recorded."""
+        return self._periods > 0
+
+    def on_step(self, t_s: float, state: CoachState) -> Actuation | None:
+        """The coach's callback; see the head of `scenarios.cosimulation.simulation` for the order."""
+        periods = self._periods
+        if periods == 0:
+            self._state = state
+            self._numbers["coach_at"], self._numbers["watching_at"] = state.addresses
+        if periods % self._periods_per_tick == 0 and not self._tick(t_s):
+            return None
+        if not act(self._address, t_s, periods % self._periods_per_record == 0):
+            raise ValueError(f"demand = {self._demand}, valve = {self._numbers['command']}: out of range")
+        self._periods = periods + 1
+        return self._actuation
+
+    def _tick(self, t_s: float) -> bool:
+        """Everything that happens each 10 ms; False ends the run."""
+        ticks = self._ticks
+        if t_s >= self._faults.next_s:
+            self._faults.step(t_s)
+        controlling = ticks % self._ticks_per_control == 0
+        looked = look(self._address, t_s, controlling)
+        if looked != LOOKED:
+            self._look_again(t_s, controlling)
+        self._ticks = ticks + 1
+        if ticks % _TICKS_PER_DRIVER == 0:
+            self._look_around(t_s)
+            if self.stopped or self.off_the_line:
+                return False
+        if self._drives or self._traction_n != 0.0:
+            self._work_traction()
+        if self._outside is not None:
+            return self._ask_outside(self._outside, t_s)
+        if self._reference is not None and ticks > 0 and self._reference.due(t_s - TICK_S):
+            self._estimate(t_s - TICK_S, self._reference)
+        if controlling:
+            self._control(t_s)
+        return True
+
+    def _look_again(self, t_s: float, latching: bool) -> None:
+        """Make room for the rows to come, then look."""
+        self._make_room()
+        if look(self._address, t_s, latching) != LOOKED:
+            raise ValueError(f"t_s = {t_s}: the angle of a wheel has jumped by thousands of pulses")
+
+    def _make_room(self) -> None:
+        """Let every array have room for what the next tick brings."""
+        numbers, tachometers = self._numbers, self.tachometers
+        tachometers.count = int(numbers["edge_count"])
+        tachometers.make_room()
+        numbers["edges_at"], numbers["edges_room"] = address_of(tachometers.edges), len(tachometers.edges)
+        if self._ticks == len(self._seen):
+            self._seen = np.concatenate([self._seen, np.zeros_like(self._seen)])
+        numbers["seen_at"], numbers["seen_room"] = address_of(self._seen), len(self._seen)
+        numbers["row"] = self._recorder.make_room(int(numbers["row"]), int(numbers["rows_per_tick"]))
+        numbers["motion_at"], numbers["brake_rows_at"] = map(address_of, self._recorder.block)
+        numbers["rows_room"] = len(self._recorder.block[0])
+
+    def _look_around(self, t_s: float) -> None:
+        """A tick of the driver: what he answered at the last one comes into force, then he answers anew."""
+        numbers, driver = self._numbers, self._driver
+        position_m, speed_mps = numbers["position_m"], numbers["speed_mps"]
+        if self._ticks % _PROGRESS_TICKS == 1:
+            if self._stop_requested():
+                raise RunInterrupted
+            self._on_progress(t_s, float(position_m), float(speed_mps))
+        # the track goes on beyond its ends for farther than a coach gets between two looks
+        if not self._first_m <= position_m <= self._last_m:
+            self.off_the_line = True
+        self._drive(driver.traction_n, driver.demand)
+        self._driver_sands, self._driver_brakes_track = driver.sand, driver.track_brake
+        driver.step(position_m, speed_mps)
+        # at rest under brakes, having moved, for long enough to end the run
+        still = numbers["moved"] and numbers["still_ticks"] * TICK_S >= STANDSTILL_LASTS_S
+        self.stopped = bool(still and self._demand > 0.0 and self._outside is None)
+
+    def _drive(self, traction_n: float, demand: float) -> None:
+        self._numbers["demand"] = self._demand = demand
+        self._traction_n = self._view.traction_n = traction_n
+        self._view.demand = demand
+
+    def _work_traction(self) -> None:
+        """What the drive answered at the last tick comes into force, then it answers anew."""
+        traction = self._traction
+        self._drives = bool(traction.torque_nm.any())
+        self._numbers["drive_torque_nm"] = traction.torque_nm
+        traction.step(self._traction_n, self._axle_speed, self._valid)
+
+    def _control(self, t_s: float) -> None:
+        """What the controller answered at its last tick is in force by now; it answers anew."""
+        self._sand_and_track_brake(self._output)
+        if self._faults.controller_dead:
+            return
+        reference_mps = math.nan if self._reference is None else self._reference.at(t_s)
+        self._output = output = self._controller.step(
+            t_s, self._axle_speed, self._valid, self._demand, 1, reference_mps
+        )
+        self._answer[:] = output.valve
+        self._numbers["reference_speed_mps"] = output.reference_speed_mps
+
+    def _estimate(self, tick_s: float, reference: EstimatedReference) -> None:
+        """The estimator of the reference takes what was recorded up to the last tick."""
+        last = self._recorder.before + int(self._numbers["row"])
+        rows = self._recorder.motion_rows(self._estimated_rows, last)
+        seen = self._seen[self._ticks - 2]
+        reference.step(tick_s, rows, seen[:4], seen[4:] > 0.0)
+        self._estimated_rows = last
+
+    def _ask_outside(self, outside: Outside, t_s: float) -> bool:
+        """Let somebody outside answer this tick, to act at once; False if he ends the run."""
+        view, numbers = self._view, self._numbers
+        self.tachometers.count = int(numbers["edge_count"])
+        view.state = self._state
+        output = outside.tick(t_s, view)
+        if output is None:
+            return False
+        numbers["command"] = self._answer[:] = output.valve
+        numbers["reference_speed_mps"] = output.reference_speed_mps
+        self._drive(view.traction_n, view.demand)
+        self._sand_and_track_brake(output)
+        return True
+
+    def _sand_and_track_brake(self, output: ControllerOutput) -> None:
+        if len(self._sanders.rows):
+            self._sanders.step(output.sand | self._driver_sands)
+        self.brake.track_brake_on = output.track_brake or self._driver_brakes_track
+
+    def truth(self, report: SolveReport | None) -> Truth:
+        """The streams recorded; `report` None when the solve broke down."""
+        line, recorder = self._line, self._recorder
+        ended: Literal["standstill", "time"] = "standstill" if self.stopped else "time"
+        simulated_s = report.simulated_s if report else self._periods * self.period_s
+        self.tachometers.count = int(self._numbers["edge_count"])
+        recorder.rows = int(self._numbers["row"])
+        seen = self._seen[: self._ticks]
+        return Truth(
+            motion=recorder.motion_stream(line.track),
+            wheelsets=recorder.wheelset_stream(line.contact),
+            rail=rail_stream(line.state.table),
+            rail_before=rail_stream(self._rail_before),
+            brake=recorder.brake_stream(),
+            tachometer=self.tachometers.readings(),
+            axle_speeds=AxleSpeedReadings(
+                t_s=TICK_S * np.arange(len(seen), dtype=np.float64),
+                axle_speed_mps=seen[:, :4],
+                valid=seen[:, 4:] > 0.0,
+            ),
+            solve=SolveRecord(
+                simulated_s=simulated_s,
+                wall_s=report.wall_s if report else math.nan,
+                realtime_factor=simulated_s / report.wall_s if report else math.nan,
+                step_s=self._scenario.simulation.step_s,
+                exudyn_build=report.exudyn_build if report else "",
+                ended=ended,
+            ),
+        )

@@ -1,0 +1,72 @@
+"""The co-simulation: coach, brake, tachometers, wheel slide protection and driver in one loop.
+
+The loop has a period of its own: 5 ms, or less where step or record period ask for it (`loop_period_s`). Order within a
+period from t_k to t_k+1, at the state of t_k:
+1. at whole ticks (10 ms): faults come and go; the tachometers look at the wheels' angles; what the controller answered
+   one tick ago comes into force; it reads the new tick and answers for the next one (every link latches: inputs of
+   tick k act from tick k+1); the driver does the same at its own ticks (0.1 s);
+2. the recorder, at its own period, writes down what is true at t_k;
+3. the brake plant advances to t_k+1 with the valve commands in force; the torques and forces that it then has act on
+   the coach throughout the period.
+"""
+
+from collections.abc import Callable
+
+from scenarios.cosimulation.line import Line
+from scenarios.cosimulation.loop import Loop, loop_period_s
+from scenarios.cosimulation.outside import Outside
+from scenarios.errors import SolveFailed
+from scenarios.schema import TICK_S, Scenario
+from scenarios.truth import Truth
+from scenarios.units import KMH_PER_MPS
+from vehicle import Coach, SolverFailure
+
+OnProgress = Callable[[float, float, float], None]
+
+
+def simulate(
+    scenario: Scenario,
+    on_progress: OnProgress,
+    stop_requested: Callable[[], bool],
+    outside: Outside | None = None,
+) -> Truth:
+    """Run the scenario until the coach stands or its time is over.
+
+    `on_progress(t_s, position_m, speed_mps)` is called every 0.2 s of simulated time; `stop_requested` is polled as
+    often. `outside` takes the place of the scenario's controller. Raises RunInterrupted when asked to stop, SolveFailed
+    with the truth so far when the integration breaks down.
+    """
+    line = Line(scenario)
+    coach = Coach(scenario.coach, line.contact, line.track, line.rail)
+    simulation = scenario.simulation
+    loop = Loop(scenario, line, on_progress, stop_requested, outside)
+    try:
+        _compile(scenario)
+        report = coach.run(
+            simulation.step_s,
+            simulation.longest_s,
+            simulation.initial_position_m,
+            simulation.initial_speed_kmh / KMH_PER_MPS,
+            loop.on_step,
+            loop.period_s,
+        )
+    except SolverFailure as failure:
+        raise SolveFailed(str(failure), loop.truth(None) if loop.has_rows else None) from failure
+    if loop.off_the_line:
+        raise SolveFailed(
+            f"the coach left the track, which reaches from 0 to track.length_m = {scenario.track.length_m}, "
+            f"after t = {report.simulated_s:.1f} s without stopping",
+            loop.truth(report),
+        )
+    return loop.truth(report)
+
+
+def _compile(scenario: Scenario) -> None:
+    """Two ticks into the air, so that compiling (or loading) the hot code does not count as solving."""
+    line = Line(scenario)
+    coach = Coach(scenario.coach, line.contact, line.track, line.rail)
+    simulation = scenario.simulation
+    period_s = loop_period_s(simulation)
+    speed_mps = simulation.initial_speed_kmh / KMH_PER_MPS
+    loop = Loop(scenario, line, lambda *_: None, lambda: False)
+    coach.run(simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_step, period_s)
