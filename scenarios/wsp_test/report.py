@@ -66,7 +66,9 @@ COLUMNS = (
     Column("valve\nops", "valve_operations", "{:.0f}", 1.0, fmean),
     Column("air\nnl", "air_nl", "{:.0f}", 1.0, fmean),
     Column("ref. error\nkm/h", "reference_error_rms_kmh", "{:.2f}", 1.0, fmean),
+    Column("reservoir\nbar", "least_reservoir_bar", "{:.1f}", 1.0, min),
     Column("unfilled\ns", "longest_unfilled_s", "{:.1f}", 1.0, max),
+    Column("safety\ntimer s", "safety_timer_s", "{:.1f}", 1.0, max),
 )
 
 

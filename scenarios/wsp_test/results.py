@@ -103,6 +103,12 @@ METRICS: dict[str, Metric] = {
         "km/h", "reference speed error, worst", lambda r: r.score.reference_error_worst_kmh
     ),
     "longest_unfilled_s": Metric("s", "longest time without filling", _worst(lambda w: w.longest_unfilled_s)),
+    "longest_unfilled_command_s": Metric(
+        "s", "longest command without filling", _worst(lambda w: w.longest_unfilled_command_s)
+    ),
+    "safety_timer_s": Metric("s", "time under the valves' safety timer", _worst(lambda w: w.safety_timer_s)),
+    "least_reservoir_bar": Metric("bar", "least reservoir pressure", lambda r: r.score.least_reservoir_bar),
+    "hottest_disc_degc": Metric("degC", "hottest disc", lambda r: r.score.hottest_disc_degc),
     "longest_vent_s": Metric("s", "longest venting without a break", _worst(lambda w: w.longest_vent_s)),
     "drag_speed_change_kmh": Metric("km/h", "change of speed while dragging", lambda r: r.score.drag_speed_change_kmh),
     "brake_performance": Metric("1", "least (achieved - required)/required, 10 s and more", _worst_performance),

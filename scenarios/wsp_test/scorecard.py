@@ -51,8 +51,10 @@ class WheelsetScore:
     wheelset's energy shared as the work of the longitudinal forces. `flat_risk_mnm`: integral of wheel load x train
     speed over the time with the rim below 5 % of the train's speed, that above 5 km/h, left and right; a measure to
     compare with, no length of a flat. `valve_operations`: how often its hold and its vent valve were energised, in sum.
-    `longest_unfilled_s`: longest time without FILL, `longest_vent_s` of VENT without a break, under brake demand
-    above 5 km/h. `slip_histogram_s`: time under brake demand above 10 km/h in each of SLIP_BINS.
+    `longest_unfilled_s`: longest time without FILL, `longest_vent_s` of VENT without a break, as the valves were
+    energised, under brake demand above 5 km/h; `longest_unfilled_command_s` as they were commanded. `safety_timer_s`:
+    time in which the valves' safety timer had taken the axle from the controller. `slip_histogram_s`: time under brake
+    demand above 10 km/h in each of SLIP_BINS.
     """
 
     sliding_distance_m: float
@@ -64,7 +66,9 @@ class WheelsetScore:
     flat_risk_mnm: tuple[float, float]
     valve_operations: int
     longest_unfilled_s: float
+    longest_unfilled_command_s: float
     longest_vent_s: float
+    safety_timer_s: float
     slip_histogram_s: tuple[float, ...]
 
 
@@ -102,6 +106,8 @@ class Score:
     reference_error_rms_kmh: float | None
     reference_error_worst_kmh: float | None
     air_nl: float
+    least_reservoir_bar: float
+    hottest_disc_degc: float
     slide_events: int
     sliding_s: float
     drag_speed_change_kmh: float | None
@@ -135,6 +141,8 @@ def score_stop(truth: Truth, shortest_distance_m: float | None, scoring: Scoring
         reference_error_rms_kmh=rms_kmh,
         reference_error_worst_kmh=worst_kmh,
         air_nl=float(brake.air_nl[-1] - brake.air_nl[0]),
+        least_reservoir_bar=float(brake.reservoir_pressure_bar.min()),
+        hottest_disc_degc=float(brake.disc_temperature_degc.max()),
         slide_events=len(events),
         sliding_s=sum(end_s - begin_s for begin_s, end_s in events),
         drag_speed_change_kmh=max(changes, default=None),
@@ -257,7 +265,9 @@ def _wheelset_score(truth: Truth, i: int, scoring: ScoringParameters) -> Wheelse
         flat_risk_mnm=(float(risk_nm[0]) / 1e6, float(risk_nm[1]) / 1e6),
         valve_operations=valve_operations(brake.valve[:, i]),
         longest_unfilled_s=longest_s(t_s, (brake.valve[:, i] != FILL) & braked),
+        longest_unfilled_command_s=longest_s(t_s, (brake.valve_command[:, i] != FILL) & braked),
         longest_vent_s=longest_s(t_s, (brake.valve[:, i] == VENT) & braked),
+        safety_timer_s=float((held_s * (brake.safety_timer_fired[:, i] > 0)).sum()),
         slip_histogram_s=tuple(map(float, histogram_s)),
     )
 

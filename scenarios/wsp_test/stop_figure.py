@@ -13,6 +13,7 @@ from scenarios.units import KMH_PER_MPS
 from scenarios.wsp_test.programme import Stop
 from scenarios.wsp_test.results import STRIP_SHORTEST_S
 from scenarios.wsp_test.scorecard import brake_stretches, braking_ratio, slide_events_s
+from scenarios.wsp_test.spans import spans
 
 SLIDE_COLOUR = "#f3d9d9"
 STRIP_COLOURS = {"more": "#4c9f70", "less": "#c65b4e"}
@@ -33,6 +34,7 @@ def draw_stop(stop: Stop, truth: Truth, required_ratio: float | None) -> Figure:
     _speeds(speeds, truth)
     _pressures(pressures, truth)
     valve_bars(valves, truth.brake)
+    _safety_timer(valves, truth)
     _adhesion(adhesion, truth)
     _strip(strip, stop, truth, required_ratio)
     strip.set_xlabel("time  s")
@@ -59,9 +61,23 @@ def _pressures(axes: Axes, truth: Truth) -> None:
     for i, colour in enumerate(AXLE_COLOURS):
         plot(axes, brake.t_s, brake.cylinder_pressure_bar[:, i], color=colour, linewidth=0.9, label=f"axle {i + 1}")
     plot(axes, brake.t_s, brake.distributor_pressure_bar, "--", color="grey", label="distributor")
-    axes.set_ylabel("cylinder pressure  bar")
-    axes.set_ylim(-0.1, 1.35 * max(float(brake.distributor_pressure_bar.max()), 0.1))
+    plot(axes, brake.t_s, brake.reservoir_pressure_bar, ":", color="black", label="reservoir")
+    axes.set_ylabel("pressure  bar")
+    axes.set_ylim(-0.1, 1.35 * max(float(brake.reservoir_pressure_bar.max()), 0.1))
     legend(axes, columns=6, place="upper right")
+
+
+def _safety_timer(axes: Axes, truth: Truth) -> None:
+    """Where the safety timer holds an axle's valves de-energised: hatched over the bars."""
+    t_s = truth.brake.t_s
+    for i in range(4):
+        fired = spans(truth.brake.safety_timer_fired[:, i] > 0)
+        bars = [(t_s[begin], t_s[min(end, len(t_s) - 1)] - t_s[begin]) for begin, end in fired]
+        axes.broken_barh(
+            bars, (3.6 - i, 0.8), facecolor="white", edgecolor=REFERENCE_COLOUR, hatch="///", linewidth=0.8
+        )
+        if bars:
+            axes.text(bars[0][0], 4.0 - i, " safety timer", va="center", fontsize=7, color=REFERENCE_COLOUR)
 
 
 def _adhesion(axes: Axes, truth: Truth) -> None:

@@ -54,6 +54,17 @@ def test_stop_runs_from_demand_to_standstill(make_truth: Any) -> None:
     assert score.drag_speed_change_kmh is None
 
 
+def test_reservoir_and_discs_by_their_extremes(make_truth: Any, changed: Any) -> None:
+    truth = make_truth()
+    rows = len(truth.brake)
+    disc_degc = np.linspace(20.0, 90.0, rows)[:, None] + np.array([0.0, 30.0, 0.0, 0.0])
+    reservoir_bar = 5.0 + np.abs(np.linspace(-1.0, 1.0, rows))
+    truth = with_fields(changed, truth, "brake", disc_temperature_degc=disc_degc, reservoir_pressure_bar=reservoir_bar)
+    score = score_stop(truth, None, SCORING)
+    assert score.hottest_disc_degc == pytest.approx(120.0)
+    assert score.least_reservoir_bar == pytest.approx(5.0, abs=1e-3)
+
+
 def test_after_a_drag_brake_the_stop_begins_with_the_last_rise_of_demand(make_truth: Any, changed: Any) -> None:
     truth = make_truth(SPEED_MPS, DECELERATION_MPS2, brake_at_s=30.0)
     demand = truth.brake.demand.copy()
@@ -149,8 +160,16 @@ def test_longest_time_without_filling_and_of_venting(make_truth: Any, changed: A
     valve[(t_s >= 12.0 - 1e-6) & (t_s < 15.5 - 1e-6), 1] = 1
     valve[(t_s >= 13.0 - 1e-6) & (t_s < 14.2 - 1e-6), 1] = 2
     valve[(t_s >= 2.0) & (t_s < 9.0), 3] = 2  # without brake demand
-    wheelsets = score_stop(with_fields(changed, truth, "brake", valve=valve), None, SCORING).wheelsets
+    command = valve.copy()
+    command[(t_s >= 12.0 - 1e-6) & (t_s < 18.0 - 1e-6), 1] = 2
+    fired = np.zeros((len(t_s), 4), np.int8)
+    fired[(t_s >= 15.5 - 1e-6) & (t_s < 18.0 - 1e-6), 1] = 1  # the safety timer takes the axle from the controller
+    truth = with_fields(changed, truth, "brake", valve=valve, valve_command=command, safety_timer_fired=fired)
+    wheelsets = score_stop(truth, None, SCORING).wheelsets
     assert wheelsets[1].longest_unfilled_s == pytest.approx(3.5)
+    assert wheelsets[1].longest_unfilled_command_s == pytest.approx(6.0)
+    assert wheelsets[1].safety_timer_s == pytest.approx(2.5)
+    assert wheelsets[0].safety_timer_s == 0.0
     assert wheelsets[1].longest_vent_s == pytest.approx(1.2)
     assert wheelsets[3].longest_unfilled_s == 0.0
 
