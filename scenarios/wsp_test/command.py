@@ -256,7 +256,8 @@ def _show(
         table = terminal_table(card)
         # lines that a narrow terminal breaks can still be read, squeezed columns cannot
         width = Measurement.get(console, console.options.update(max_width=1000), table).maximum
-        console.print(table, width=max(width, console.width), crop=False, soft_wrap=True)
+        wide = Console(file=console.file, width=max(width, console.width), force_terminal=console.is_terminal)
+        wide.print(table)
     for line in beyond_lines(card):
         console.print(f"beyond: {line}", highlight=False, markup=False, soft_wrap=True)
     for name, failure in card.failures.items():

@@ -89,8 +89,6 @@ def draw_distances(card: Scorecard) -> Figure:
     ):
         _bars(axes, card, metric)
         axes.set_xlabel(label)
-    panels[0].set_xlim(left=min(0.8, panels[0].get_xlim()[0]))
-    panels[2].set_xlim(0.0, 1.05)
     _title(figure, card, "stopping distances and adhesion used, stop by stop")
     _group_legend(figure, card, _limit_handles())
     return figure
@@ -107,19 +105,26 @@ def _limit_handles() -> list[Patch | Line2D]:
 def _bars(axes: Axes, card: Scorecard, metric: str) -> None:
     colours = _colours(card)
     begin = 1.0 if metric.startswith("distance_over") else 0.0
+    known = [value for value in (METRICS[metric].value(result) for result in card.results) if value is not None]
+    # one stop far off must not flatten all others
+    right = max(begin + 0.4, begin + 1.2 * float(np.quantile(known, 0.9) - begin)) if known else begin + 1.0
     for row, result in enumerate(card.results):
         value = METRICS[metric].value(result)
         if value is None:
             axes.text(begin, row, " -", va="center", fontsize=7, color="grey")
             continue
-        axes.barh(row, value - begin, left=begin, height=0.72, color=colours[result.stop.group])
+        axes.barh(row, min(value, right) - begin, left=begin, height=0.72, color=colours[result.stop.group])
         limits = _limits_of(card, result, metric)
-        place = max([value, begin, *(limit.bound for limit in limits)])
-        axes.text(place, row, f" {value:.2f}", va="center", fontsize=7)
+        if value > right:
+            axes.text(right, row, f"{value:.2f} > ", va="center", ha="right", fontsize=7, color="white")
+        else:
+            place = max([value, begin, *(limit.bound for limit in limits)])
+            axes.text(place, row, f" {value:.2f}", va="center", fontsize=7)
         for limit in limits:
             colour = BEYOND_COLOUR if limit.exceeded(value) else "black"
             axes.plot([limit.bound] * 2, [row - 0.45, row + 0.45], color=colour, linewidth=2.0)
-    axes.margins(x=0.12)
+    least = min([begin, *known])
+    axes.set_xlim(least - 0.04 * (right - least), right + 0.16 * (right - least))
 
 
 def _limits_of(card: Scorecard, result: Result, metric: str) -> list[Limit]:

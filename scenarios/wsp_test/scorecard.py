@@ -35,7 +35,7 @@ class ScoringParameters(BaseModel):
         default=0.2, gt=0.0, le=2.0, description="cylinder this far below the distributor: the WSP is at work on it"
     )
     settled_share: float = Field(
-        default=0.02, gt=0.0, lt=0.5, description="distributor within this share of its final pressure: brake built up"
+        default=0.02, gt=0.0, lt=0.5, description="distributor within this share of where it goes: brake built up"
     )
 
 
@@ -74,7 +74,7 @@ class WheelsetScore:
 
 @dataclass(frozen=True)
 class BrakeStretch:
-    """A stretch of constant demand above 0, from the brake built up (distributor settled) to its end or to standstill.
+    """A stretch of constant demand above 0, from the brake built up (or eased) to the stretch's end or to 10 km/h.
 
     `braking_ratio`: mean over time of the wheels' brake force over their load. Speeds at begin and end of the demand.
     """
@@ -210,8 +210,14 @@ def brake_stretches(truth: Truth, scoring: ScoringParameters) -> tuple[BrakeStre
             continue
         first, last = int(rows[0]), int(rows[-1])
         pressure_bar = brake.distributor_pressure_bar[rows]
-        off = np.flatnonzero(np.abs(pressure_bar - pressure_bar[-1]) > scoring.settled_share * pressure_bar[-1])
-        settled = rows[int(off[-1]) + 1 :] if len(off) else rows
+        rises = begin == 0 or brake.demand[begin] > brake.demand[begin - 1]
+        # a reservoir that runs low may take the pressure down again later
+        built_up = (
+            pressure_bar >= (1.0 - scoring.settled_share) * pressure_bar.max()
+            if rises
+            else pressure_bar <= (1.0 + scoring.settled_share) * pressure_bar.min()
+        )
+        settled = rows[int(np.argmax(built_up)) :]
         if len(settled) < 2:
             continue
         duration_s = float(motion.t_s[settled[-1]] - motion.t_s[settled[0]])

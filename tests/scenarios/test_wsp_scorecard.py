@@ -207,6 +207,14 @@ def test_brake_stretch_begins_with_the_brake_built_up(make_truth: Any) -> None:
     assert stretch.demand == 1.0
 
 
+def test_a_reservoir_that_runs_low_does_not_shorten_the_stretch(make_truth: Any, changed: Any) -> None:
+    truth = make_truth(SPEED_MPS, DECELERATION_MPS2)
+    (sound,) = brake_stretches(truth, SCORING)
+    falling_bar = truth.brake.distributor_pressure_bar - 0.03 * np.clip(truth.brake.t_s - 20.0, 0.0, None)
+    truth = with_fields(changed, truth, "brake", distributor_pressure_bar=falling_bar)
+    assert brake_stretches(truth, SCORING) == (sound,)
+
+
 def test_slip_histogram_holds_the_time_above_10_kmh(make_truth: Any) -> None:
     score = score_stop(
         make_truth(SPEED_MPS, DECELERATION_MPS2, slip=np.array([0.12, 1.0, -0.02, 0.005])), None, SCORING
