@@ -25,7 +25,7 @@ class BadInput(ValueError):
 
 
 class SolveFailed(RuntimeError):
-    """The solver gave up: the message says when, where and with which step; `partial` is the truth recorded so far."""
+    """The solver or a foreign controller gave up: the message says when and why; `partial` is the truth until then."""
 
     def __init__(self, message: str, partial: object | None = None) -> None:
         super().__init__(message)

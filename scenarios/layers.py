@@ -62,6 +62,7 @@ class Merged:
             after = _choice(layer.tree, section, key)
             if after is not None and after != self._choice(section, key) and isinstance(self.tree.get(section), dict):
                 self.tree[section].pop("parameters", None)
+                self.origins[(section, "parameters")] = layer.source  # what lacks there, lacks in this layer
         self._merge(self.tree, layer.tree, layer.source, ())
 
     def expand_presets(self) -> list[Fault]:

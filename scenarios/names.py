@@ -1,7 +1,7 @@
 """The one resolver of names: controllers, estimators and presets of all packages, and a user's own from a file.
 
 Each package exports plain tables (name -> class, or name -> file of a preset). `path/to/file.py:Name` gives a class of
-the user's own, `path/to/file.toml` a preset of the user's own.
+the user's own, `path/to/file.toml` a preset of the user's own; a controller may also be a C shared library or an FMU.
 """
 
 import difflib
@@ -17,6 +17,9 @@ from typing import Any
 from pydantic import BaseModel
 
 LIBRARY = Path(__file__).parent / "library"
+
+FOREIGN_SUFFIXES = (".so", ".dylib", ".dll", ".fmu")
+"""Files that may serve as a controller without being Python."""
 
 
 class UnknownName(ValueError):
@@ -111,9 +114,14 @@ def unknown(kind: str, name: str, table: Iterable[str]) -> UnknownName:
 
 
 def find_class(kind: str, name: str) -> Any:
-    """The class called `name` among the controllers or estimators, or the one in the user's `path/to/file.py:Name`."""
+    """The class called `name` among the controllers or estimators, or the one in the user's `path/to/file.py:Name`.
+
+    A controller that is a C shared library or an FMU gets a class of its own, which reads the file when instantiated.
+    """
     if ".py:" in name:
         return _class_from_file(kind, name)
+    if kind == "controller" and name.endswith(FOREIGN_SUFFIXES):
+        return _foreign_class(name)
     table = TABLES[kind]()
     if name not in table:
         raise unknown(kind, name, table)
@@ -131,8 +139,8 @@ def find_file(kind: str, name: str) -> Path:
 
 
 def display_name(name: str) -> str:
-    """A short name for tables and file names: `path/to/file.py:Name` is shown as `Name`."""
-    return name.rpartition(".py:")[2]
+    """A short name for tables and file names: `path/to/file.py:Name` is shown as `Name`, `path/to/x.fmu` as `x`."""
+    return Path(name).stem if name.endswith(FOREIGN_SUFFIXES) else name.rpartition(".py:")[2]
 
 
 def find_creep_law(name: str) -> Any:
@@ -178,6 +186,17 @@ def _module_of(kind: str, name: str) -> tuple[ModuleType, str]:
                 f"{kind} {name!r}: importing {file_name} failed with {type(error).__name__}: {error}"
             ) from error
     return module, name_inside
+
+
+def _foreign_class(name: str) -> Any:
+    from wsp.foreign.controller import foreign_controller
+
+    path = Path(name)
+    if not path.is_file():
+        raise UnknownName(
+            f"controller {name!r} not found: {'is a folder' if path.is_dir() else 'there is no such file'}"
+        )
+    return foreign_controller(path)
 
 
 def _digest(path: Path) -> str:

@@ -4,6 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from scenarios.names import FOREIGN_SUFFIXES
+
 Tree = dict[str, Any]
 
 
@@ -11,8 +13,10 @@ def anchor_paths(tree: Tree, folder: Path) -> None:
     """Make the relative paths in the sections of `tree` absolute; names of what the program brings are left alone."""
     for section in ("coach", "brake", "imu"):
         _anchor(table_of(tree, section), "preset", folder, _is_toml)
-    for section, key in (("wsp", "controller"), ("creep_law", "name")):
-        _anchor(table_of(tree, section), key, folder, _is_python)
+    wsp = table_of(tree, "wsp")
+    _anchor(wsp, "controller", folder, _is_controller_file)
+    _anchor(table_of(wsp, "parameters"), "file", folder)
+    _anchor(table_of(tree, "creep_law"), "name", folder, _is_python)
     profiles = table_of(table_of(table_of(tree, "coach"), "contact"), "profiles")
     for key in ("wheel_profile", "rail_profile"):
         _anchor(profiles, key, folder, _is_profile_file)
@@ -47,6 +51,10 @@ def _is_toml(text: str) -> bool:
 
 def _is_python(text: str) -> bool:
     return ".py:" in text
+
+
+def _is_controller_file(text: str) -> bool:
+    return _is_python(text) or text.endswith(FOREIGN_SUFFIXES)
 
 
 def _is_profile_file(text: str) -> bool:

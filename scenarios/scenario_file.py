@@ -147,12 +147,7 @@ def _contradictions(scenario: Scenario, merged: Merged) -> Iterator[Fault]:
             source = merged.origin(("simulation", "initial_position_m"))
             key = f"simulation.initial_position_m = {simulation.initial_position_m}"
             yield Fault(source, key, f"the whole coach must stand on the track: {first_m} to {last_m} m")
-    period_s = getattr(scenario.make_controller(), "period_s", None)
-    ticks = period_s / TICK_S if isinstance(period_s, int | float) else 0.0
-    if round(ticks) < 1 or abs(ticks - round(ticks)) > 1e-9:
-        key = f"wsp.controller = {scenario.wsp.controller!r}"
-        must = f"its period_s = {period_s} must be a whole multiple of {TICK_S}"
-        yield Fault(merged.origin(("wsp", "controller")), key, must)
+    yield from _controller_faults(scenario, merged)
     reference = scenario.wsp.reference_estimator
     if reference is not None and reference not in scenario.estimators.names:
         key = f"wsp.reference_estimator = {reference!r}"
@@ -166,6 +161,20 @@ def _contradictions(scenario: Scenario, merged: Merged) -> Iterator[Fault]:
         Imu(scenario.imu, simulation.record_period_s, scenario.scenario.sensor_seed)
     except ValueError as error:
         yield table_fault(merged, (), f"{error} (simulation.record_period_s = {simulation.record_period_s})")
+
+
+def _controller_faults(scenario: Scenario, merged: Merged) -> Iterator[Fault]:
+    """What shows when the controller is made: a foreign one is loaded, and a recorded one read."""
+    try:
+        period_s = getattr(scenario.make_controller(), "period_s", None)
+    except ValueError as error:
+        yield table_fault(merged, ("wsp",), str(error))
+        return
+    ticks = period_s / TICK_S if isinstance(period_s, int | float) else 0.0
+    if round(ticks) < 1 or abs(ticks - round(ticks)) > 1e-9:
+        key = f"wsp.controller = {scenario.wsp.controller!r}"
+        must = f"its period_s = {period_s} must be a whole multiple of {TICK_S}"
+        yield Fault(merged.origin(("wsp", "controller")), key, must)
 
 
 def _creep_law(merged: Merged, faults: list[Fault]) -> dict[str, Any] | None:

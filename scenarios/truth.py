@@ -85,6 +85,8 @@ class BrakeStream(Stream):
     safety_timer_fired: Int8Array = quantity(
         "1", WHEELSETS, about="1 where the valves' safety timer has taken the axle from the controller", dtype=np.int8
     )
+    sand_command: Int8Array = quantity("1", WHEELSETS, about="1 where the sander is to work", dtype=np.int8)
+    track_brake_command: Int8Array = quantity("1", about="1 where the track brakes are to work", dtype=np.int8)
     friction_torque_capacity_nm: FloatArray = quantity("N m", WHEELSETS, about="largest friction torque of the brake")
     dynamic_brake_torque_nm: FloatArray = quantity("N m", WHEELSETS, about="of the dynamic brake, against the rotation")
     track_brake_force_n: FloatArray = quantity("N", BOGIES, about="friction of the magnets of a bogie on the rails")

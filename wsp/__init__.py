@@ -24,7 +24,7 @@ Conventions of the package:
 - No randomness here.
 
 Brakes come by `BRAKE_PRESETS` (name -> TOML file of `BrakeParameters`), controllers by `CONTROLLERS` (name -> class
-with its `Parameters`). Figures marked M are known at second hand.
+with its `Parameters`); traction has `wsp.anti_skid.AntiSkid`. Figures marked M are known at second hand.
 """
 
 from wsp.brake import Brake

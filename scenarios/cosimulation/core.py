@@ -18,6 +18,8 @@ BRAKE_ROW = np.dtype(
         ("axle_speed_mps", "f8", (4,)),
         ("valve_command", "f8", (4,)),
         ("valve", "f8", (4,)),
+        ("sand_command", "f8", (4,)),
+        ("track_brake_command", "f8"),
         ("distributor_pressure_bar", "f8"),
         ("reservoir_pressure_bar", "f8"),
         ("cylinder_pressure_bar", "f8", (4,)),
@@ -55,6 +57,7 @@ LOOP = np.dtype(
         # commands: of the WSP as answered and in force, of the driver in force
         ("answer", "i1", (4,)),
         ("command", "i1", (4,)),
+        ("sand", "i1", (4,)),
         ("demand", "f8"),
         ("drive_torque_nm", "f8", (4,)),
         ("reference_speed_mps", "f8"),
@@ -156,9 +159,11 @@ def _write_brake_row(address: int) -> None:
     row.distributor_pressure_bar = brake.distributor_bar
     row.reservoir_pressure_bar = brake.reservoir_bar
     row.air_nl = brake.drawn_nl
+    row.track_brake_command = 1.0 if brake.track_brake_on else 0.0
     for i in range(4):
         row.axle_speed_mps[i] = state[pulse_edges.SPEED, i]
         row.valve_command[i] = loop.command[i]
+        row.sand_command[i] = loop.sand[i]
         row.valve[i] = brake.valve[i]
         row.cylinder_pressure_bar[i] = brake.cylinder_bar[i]
         row.friction_torque_capacity_nm[i] = brake.torque_nm[i]

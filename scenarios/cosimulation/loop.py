@@ -21,7 +21,7 @@ from sensors import AxleSpeedReadings, Tachometers, random_stream
 from vehicle import Actuation, CoachState, SolveReport
 from wheel_rail.compiled import address_of
 from wheel_rail.sanding import Sanders
-from wsp import Brake, ControllerOutput
+from wsp import Brake, Controller, ControllerOutput
 
 # number of the random stream that hangs on the world seed
 TACHOMETER_STREAM = 101
@@ -68,9 +68,11 @@ class Loop:
         self.tachometers = Tachometers(
             scenario.tachometers, random_stream(scenario.scenario.world_seed, TACHOMETER_STREAM, 0)
         )
-        self._controller = scenario.make_controller()
-        self._controller.reset(0.0, 1)
-        self._ticks_per_control = round(self._controller.period_s / TICK_S)
+        self._controller = None if outside else scenario.make_controller()
+        self._ticks_per_control = 1
+        if self._controller is not None:
+            self._controller.reset(0.0, 1)
+            self._ticks_per_control = round(self._controller.period_s / TICK_S)
         self._driver = Driver(scenario.driver, scenario.traction, DRIVER_PERIOD_S)
         self._traction = Traction(scenario.traction, radius_m, TICK_S)
         self.brake = Brake(scenario.brake, self.period_s)
@@ -82,12 +84,13 @@ class Loop:
         self._recorder = Recorder()
         self._first_m, self._last_m = line.places_m
         self._sanders = Sanders(scenario.sanding, TICK_S)
+        self._sands = bool(scenario.sanding.sanders)
         self._actuation = Actuation(self._sanders.rows)
         self._rail_before = line.state.table.copy()
         self._output = ControllerOutput()
         self._demand = self._traction_n = 0.0
         self._drives = False
-        self._driver_sands = self._driver_brakes_track = False
+        self._driver_sands = self._driver_brakes_track = self._magnets = False
         self._periods = 0
         self._ticks = 0
         self._seen = np.zeros((_FIRST_TICKS, 8))  # axle speeds and whether they are valid, one row per tick
@@ -104,7 +107,14 @@ class Loop:
         self._numbers = numbers
         self._address = address_of(self.record)
         self._answer, self._valid = numbers["answer"], numbers["valid"].view(np.bool_)
+        self._sand = numbers["sand"].view(np.bool_)
         self._axle_speed = self.tachometers.axle_speed_mps
+
+    def close(self) -> None:
+        """End what the controller holds outside of this process, if anything."""
+        close = getattr(self._controller, "close", None)
+        if close is not None:
+            close()
 
     @property
     def has_rows(self) -> bool:
@@ -140,12 +150,14 @@ class Loop:
                 return False
         if self._drives or self._traction_n != 0.0:
             self._work_traction()
-        if self._outside is not None:
-            return self._ask_outside(self._outside, t_s)
+        if self._controller is None:
+            return self._ask_outside(t_s)
         if self._reference is not None and ticks > 0 and self._reference.due(t_s - TICK_S):
             self._estimate(t_s - TICK_S, self._reference)
         if controlling:
-            self._control(t_s)
+            self._control(t_s, self._controller)
+        if self._sands:
+            self._sanders.step(self._sand)
         return True
 
     def _look_again(self, t_s: float, latching: bool) -> None:
@@ -197,15 +209,13 @@ class Loop:
         self._numbers["drive_torque_nm"] = traction.torque_nm
         traction.step(self._traction_n, self._axle_speed, self._valid)
 
-    def _control(self, t_s: float) -> None:
+    def _control(self, t_s: float, controller: Controller) -> None:
         """What the controller answered at its last tick is in force by now; it answers anew."""
         self._sand_and_track_brake(self._output)
         if self._faults.controller_dead:
             return
         reference_mps = math.nan if self._reference is None else self._reference.at(t_s)
-        self._output = output = self._controller.step(
-            t_s, self._axle_speed, self._valid, self._demand, 1, reference_mps
-        )
+        self._output = output = controller.step(t_s, self._axle_speed, self._valid, self._demand, 1, reference_mps)
         self._answer[:] = output.valve
         self._numbers["reference_speed_mps"] = output.reference_speed_mps
 
@@ -217,24 +227,30 @@ class Loop:
         reference.step(tick_s, rows, seen[:4], seen[4:] > 0.0)
         self._estimated_rows = last
 
-    def _ask_outside(self, outside: Outside, t_s: float) -> bool:
+    def _ask_outside(self, t_s: float) -> bool:
         """Let somebody outside answer this tick, to act at once; False if he ends the run."""
         view, numbers = self._view, self._numbers
         self.tachometers.count = int(numbers["edge_count"])
         view.state = self._state
-        output = outside.tick(t_s, view)
+        output = self._outside.tick(t_s, view) if self._outside else None
         if output is None:
             return False
         numbers["command"] = self._answer[:] = output.valve
         numbers["reference_speed_mps"] = output.reference_speed_mps
         self._drive(view.traction_n, view.demand)
         self._sand_and_track_brake(output)
+        if self._sands:
+            self._sanders.step(self._sand)
         return True
 
     def _sand_and_track_brake(self, output: ControllerOutput) -> None:
-        if len(self._sanders.rows):
-            self._sanders.step(output.sand | self._driver_sands)
-        self.brake.track_brake_on = output.track_brake or self._driver_brakes_track
+        if self._sands:
+            self._sand[:] = output.sand
+            if self._driver_sands:
+                self._sand[:] = True
+        magnets = output.track_brake or self._driver_brakes_track
+        if magnets != self._magnets:
+            self._magnets = self.brake.track_brake_on = magnets
 
     def truth(self, report: SolveReport | None) -> Truth:
         """The streams recorded; `report` None when the solve broke down."""

@@ -59,11 +59,13 @@ class Recorder:
     def brake_stream(self) -> BrakeStream:
         """Brake, valves and what the WSP sees."""
         rows = self._rows_of(1)
-        whole = ("valve", "valve_command", "safety_timer_fired")
+        whole = ("valve", "valve_command", "sand_command", "track_brake_command", "safety_timer_fired")
         return BrakeStream(
             t_s=self._motion_rows["t_s"].copy(),
             valve=rows["valve"].astype(np.int8),
             valve_command=rows["valve_command"].astype(np.int8),
+            sand_command=rows["sand_command"].astype(np.int8),
+            track_brake_command=rows["track_brake_command"].astype(np.int8),
             safety_timer_fired=rows["safety_timer_fired"].astype(np.int8),
             **_fields(rows, [name for name in BRAKE_ROW.names or () if name not in whole]),
         )

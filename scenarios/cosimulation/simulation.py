@@ -14,12 +14,15 @@ from collections.abc import Callable
 
 from scenarios.cosimulation.line import Line
 from scenarios.cosimulation.loop import Loop, loop_period_s
-from scenarios.cosimulation.outside import Outside
+from scenarios.cosimulation.outside import Outside, View
 from scenarios.errors import SolveFailed
+from scenarios.names import find_class
 from scenarios.schema import TICK_S, Scenario
 from scenarios.truth import Truth
 from scenarios.units import KMH_PER_MPS
 from vehicle import Coach, SolverFailure
+from wsp import ControllerOutput
+from wsp.foreign.errors import ControllerFailed
 
 OnProgress = Callable[[float, float, float], None]
 
@@ -34,7 +37,7 @@ def simulate(
 
     `on_progress(t_s, position_m, speed_mps)` is called every 0.2 s of simulated time; `stop_requested` is polled as
     often. `outside` takes the place of the scenario's controller. Raises RunInterrupted when asked to stop, SolveFailed
-    with the truth so far when the integration breaks down.
+    with the truth so far when the integration or a foreign controller breaks down.
     """
     line = Line(scenario)
     coach = Coach(scenario.coach, line.contact, line.track, line.rail)
@@ -50,8 +53,10 @@ def simulate(
             loop.on_step,
             loop.period_s,
         )
-    except SolverFailure as failure:
+    except (SolverFailure, ControllerFailed) as failure:
         raise SolveFailed(str(failure), loop.truth(None) if loop.has_rows else None) from failure
+    finally:
+        loop.close()
     if loop.off_the_line:
         raise SolveFailed(
             f"the coach left the track, which reaches from 0 to track.length_m = {scenario.track.length_m}, "
@@ -61,6 +66,14 @@ def simulate(
     return loop.truth(report)
 
 
+class _Idle:
+    """Works no valve, in the place of a controller that would start a process."""
+
+    def tick(self, t_s: float, view: View) -> ControllerOutput:
+        """Fill."""
+        return ControllerOutput()
+
+
 def _compile(scenario: Scenario) -> None:
     """Two ticks into the air, so that compiling (or loading) the hot code does not count as solving."""
     line = Line(scenario)
@@ -68,5 +81,9 @@ def _compile(scenario: Scenario) -> None:
     simulation = scenario.simulation
     period_s = loop_period_s(simulation)
     speed_mps = simulation.initial_speed_kmh / KMH_PER_MPS
-    loop = Loop(scenario, line, lambda *_: None, lambda: False)
-    coach.run(simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_step, period_s)
+    starts_process = hasattr(find_class("controller", scenario.wsp.controller), "close")
+    loop = Loop(scenario, line, lambda *_: None, lambda: False, _Idle() if starts_process else None)
+    try:
+        coach.run(simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_step, period_s)
+    finally:
+        loop.close()

@@ -5,6 +5,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from scenarios.units import KMH_PER_MPS
 from wsp.anti_skid import AntiSkid, AntiSkidParameters
 
 Wheelset = Annotated[int, Field(ge=1, le=4)]
@@ -20,7 +21,10 @@ class TractionParameters(BaseModel):
     driven_wheelsets: tuple[Wheelset, ...] = Field(default=(1, 2, 3, 4), min_length=1, max_length=4)
     largest_force_n: float = Field(default=60_000.0, gt=0.0, le=1e6, description="of all driven wheelsets together")
     force_rise_nps: float = Field(default=30_000.0, gt=0.0, le=1e7)
-    largest_power_kw: float | None = Field(default=None, gt=0.0, le=1e5, description="at the rims; no limit without it")
+    largest_power_kw: float = Field(
+        default=2_000.0, gt=0.0, le=1e5, description="at the rims of all driven wheelsets, at the speed of each"
+    )
+    largest_rim_speed_kmh: float = Field(default=250.0, gt=0.0, le=600.0, description="overspeed: no torque beyond")
     anti_skid: bool = Field(default=True, description="slip control of the driven wheelsets")
     anti_skid_parameters: AntiSkidParameters = AntiSkidParameters()
 
@@ -32,8 +36,6 @@ class TractionParameters(BaseModel):
 
     def force_limit_n(self, speed_mps: float) -> float:
         """Largest force of the coach at a speed."""
-        if self.largest_power_kw is None:
-            return self.largest_force_n
         return min(self.largest_force_n, 1000.0 * self.largest_power_kw / max(speed_mps, _SLOWEST_MPS))
 
 
@@ -46,14 +48,21 @@ class Traction:
     def __init__(self, parameters: TractionParameters, wheel_radius_m: float, period_s: float) -> None:
         driven = np.zeros(4)
         driven[np.array(parameters.driven_wheelsets) - 1] = 1.0
+        self._parameters = parameters
         self._torque_per_force_m = driven / driven.sum() * wheel_radius_m
-        self._driven = driven > 0.0
         self._anti_skid = AntiSkid(parameters.anti_skid_parameters, period_s) if parameters.anti_skid else None
         self.torque_nm = np.zeros(4)
 
     def step(self, force_n: float, axle_speed_mps: np.ndarray, valid: np.ndarray) -> None:
-        """Answer the driver's force (whole coach, N) and the tachometers (4,) of a tick."""
-        asked_nm = force_n * self._torque_per_force_m
+        """Answer the driver's force (whole coach, N) and the tachometers (4,) of a tick.
+
+        A motor knows its own speed: beyond the power limit its torque falls with it.
+        """
+        p = self._parameters
+        rim_mps = np.abs(axle_speed_mps)
+        limit_n = 1000.0 * p.largest_power_kw / np.maximum(rim_mps, _SLOWEST_MPS)
+        limit_n[rim_mps > p.largest_rim_speed_kmh / KMH_PER_MPS] = 0.0
+        asked_nm = np.minimum(force_n, limit_n) * self._torque_per_force_m
         if self._anti_skid is None:
             self.torque_nm[:] = asked_nm
         else:

@@ -67,7 +67,9 @@ def _vent_s(down_to_bar: float, **volume: float) -> float:
 
 
 def _fill_s(from_bar: float, to_bar: float, supply_bar: float = 3.8, **volume: float) -> float:
-    brake = _applied(_parameters(full_service_pressure_bar=supply_bar, valve_dead_time_s=0.0, **volume))
+    # the feed is well above, so that the source does not fall while the cylinders draw
+    pressures = {"full_service_pressure_bar": supply_bar, "feed_pressure_bar": supply_bar + 2.0}
+    brake = _applied(_parameters(valve_dead_time_s=0.0, **pressures, **volume))
     if from_bar > 0.0:
         _time_s(brake, VENT, from_bar)
     else:

@@ -9,9 +9,9 @@ from pydantic import BaseModel, ValidationError
 
 from scenarios.cosimulation import simulation
 from scenarios.cosimulation.driver import Driver, DriverParameters
-from scenarios.cosimulation.traction import TractionParameters
 from scenarios.cosimulation.loop import Loop
 from scenarios.cosimulation.simulation import simulate
+from scenarios.cosimulation.traction import TractionParameters
 from scenarios.errors import SolveFailed
 from scenarios.metrics import stop_metrics
 from scenarios.observe import observe

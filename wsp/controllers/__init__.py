@@ -2,8 +2,9 @@
 
 from wsp.controllers.interface import Controller, ControllerOutput
 from wsp.controllers.none import NoProtection
+from wsp.controllers.replay import Replay
 from wsp.controllers.rule_table import RuleTable
 
-CONTROLLERS: dict[str, type] = {"none": NoProtection, "rule-table": RuleTable}
+CONTROLLERS: dict[str, type] = {"none": NoProtection, "rule-table": RuleTable, "replay": Replay}
 
-__all__ = ["CONTROLLERS", "Controller", "ControllerOutput", "NoProtection", "RuleTable"]
+__all__ = ["CONTROLLERS", "Controller", "ControllerOutput", "NoProtection", "Replay", "RuleTable"]
