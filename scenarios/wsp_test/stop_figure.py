@@ -77,7 +77,10 @@ def _safety_timer(axes: Axes, truth: Truth) -> None:
             bars, (3.6 - i, 0.8), facecolor="white", edgecolor=REFERENCE_COLOUR, hatch="///", linewidth=0.8
         )
         if bars:
-            axes.text(bars[0][0], 4.0 - i, " safety timer", va="center", fontsize=7, color=REFERENCE_COLOUR)
+            box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+            axes.text(
+                bars[0][0] + 0.5, 4.0 - i, "safety timer", va="center", fontsize=7, color=REFERENCE_COLOUR, bbox=box
+            )
 
 
 def _adhesion(axes: Axes, truth: Truth) -> None:
