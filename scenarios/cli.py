@@ -185,6 +185,73 @@ def verify(
             raise typer.Exit(FAILED)
 
 
+@app.command(name="wsp-test")
+def wsp_test(
+    controller: Annotated[str, typer.Argument(help="Name of a controller, or path/to/file.py:Name.")],
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Override a key in every stop, as in --set wsp.parameters.watchdog_s=7; may be repeated.",
+        ),
+    ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--only", metavar="NAME", help="A group or a stop, or a pattern as in 'low-05*'; may be repeated."
+        ),
+    ] = None,
+    programme: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A test programme of your own in place of the built-in one.")
+    ] = None,
+    limits: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Limits of your own in place of the built-in ones.")
+    ] = None,
+    out: Annotated[
+        Path,
+        typer.Option(help="Where the folder wsp-test-<controller> is made; finished stops in it are not run again."),
+    ] = Path("runs"),
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes that run stops; one for each core without it.")
+    ] = None,
+    figures: Annotated[
+        str,
+        typer.Option(
+            metavar="none|summary|worst|all", help="Pictures: of the whole, of the worst stops besides, of all."
+        ),
+    ] = "worst",
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="Write the scorecard to this file as well.")
+    ] = None,
+    strict: Annotated[bool, typer.Option("--strict", help="Fail if a figure lies beyond its limit.")] = False,
+) -> None:
+    """Run a test programme for a wheel slide protection controller, EN 15595-style, and show its scorecard."""
+    with _exit_codes() as interruption:
+        use_compile_cache()
+        from rich.console import Console
+
+        from scenarios.wsp_test.command import Request, run_wsp_test
+        from scenarios.wsp_test.limits import LIMITS
+        from scenarios.wsp_test.programme import PROGRAMME
+
+        request = Request(
+            controller=controller,
+            settings=tuple(settings or ()),
+            programme=programme or PROGRAMME,
+            limits=limits or LIMITS,
+            only=tuple(only or ()),
+            out=out,
+            workers=workers or os.cpu_count() or 1,
+            drawn=figures,
+            json_file=json_file,
+            command=("railslide", *sys.argv[1:]),
+        )
+        card = run_wsp_test(request, Console(), Console(stderr=True), interruption)
+        if card.failures or (strict and card.count_beyond):
+            raise typer.Exit(FAILED)
+
+
 @app.command(name="list")
 def list_names() -> None:
     """List scenarios, controllers, estimators and presets."""
@@ -210,8 +277,8 @@ def _exit_codes() -> Iterator[Interruption]:
             kept = f"; what it had is in {error.folder}" if error.folder else ""
             typer.echo(f"error: the run failed: {error}{kept}", err=True)
             raise typer.Exit(FAILED) from None
-        except (KeyboardInterrupt, RunInterrupted):
-            typer.echo("interrupted, nothing was kept", err=True)
+        except (KeyboardInterrupt, RunInterrupted) as error:
+            typer.echo(str(error) or "interrupted, nothing was kept", err=True)
             raise typer.Exit(SIGNALLED + (interruption.number or 2)) from None
 
 

@@ -17,28 +17,35 @@ from wsp.brake import advance_brake
 _STEP_S = 0.01
 
 
-def shortest_stop(scenario: Scenario, truth: Truth) -> float | None:
+def shortest_stop(scenario: Scenario, truth: Truth, begin: int | None = None) -> float | None:
     """Distance in m from the brake demand to standstill of a point mass with the same demand build-up, resistance and
     gradient, braked by the smaller of the brake's force and peak adhesion x static load, summed over the wheels, on the
     rail as it was found, before any wheel of this coach ran over it. None for a run without a stop.
+
+    `begin`: row of the motion to count from in place of the brake demand, such as the end of a drag brake. What the
+    brake did before, it has done: it is as full then as the demands so far have made it.
     """
     span = stop_span(truth)
     if span is None:
         return None
     start, end = span
+    if begin is not None:
+        start = begin
     line = Line(scenario)
     coach = scenario.coach
     brake = Brake(scenario.brake, _STEP_S)
     motion = truth.motion
     # the demand as it was given; held at its last value should this stop take longer
-    times = np.arange(0.0, 3.0 * (motion.t_s[end] - motion.t_s[start]) + 60.0, _STEP_S)
-    demand = np.interp(motion.t_s[start] + times, truth.brake.t_s[: end + 1], truth.brake.demand[: end + 1])
+    before_s = motion.t_s[start] - motion.t_s[0]
+    times = np.arange(0.0, before_s + 3.0 * (motion.t_s[end] - motion.t_s[start]) + 60.0, _STEP_S)
+    demand = np.interp(motion.t_s[0] + times, truth.brake.t_s[: end + 1], truth.brake.demand[: end + 1])
     radius_m = 0.5 * coach.wheelset.wheel_diameter_m
     offsets = truth.wheelsets.position_m[start] - motion.position_m[start]
     distance = _point_mass_stop(
         float(motion.position_m[start]),
         float(motion.speed_mps[start]),
         demand,
+        np.interp(motion.t_s[0] + times[: round(before_s / _STEP_S)], motion.t_s, motion.speed_mps),
         brake.record,
         np.full(4, FILL, np.int8),
         radius_m,
@@ -59,15 +66,22 @@ def shortest_stop(scenario: Scenario, truth: Truth) -> float | None:
 
 @compiled
 def _point_mass_stop(
-    position_m: float, speed_mps: float, demand: Array, brake: Record, no_wsp: np.ndarray, radius_m: float,
-    offsets_m: Array, mass_kg: float, effective_mass_kg: float, resistance: Vector, gradient_permille: Array,
-    rail: RailTables, law: tuple[int, int], extra: Array, patch: Vector, load_n: float, shear_modulus_pa: float,
+    position_m: float, speed_mps: float, demand: Array, before_mps: Array, brake: Record, no_wsp: np.ndarray,
+    radius_m: float, offsets_m: Array, mass_kg: float, effective_mass_kg: float, resistance: Vector,
+    gradient_permille: Array, rail: RailTables, law: tuple[int, int], extra: Array, patch: Vector, load_n: float,
+    shear_modulus_pa: float,
 ) -> float:  # fmt: skip
-    """Distance to standstill, nan if the time of `demand` (per 10 ms) does not suffice; midpoint in speed."""
+    """Distance to standstill, nan if the time of `demand` (per 10 ms) does not suffice; midpoint in speed.
+
+    The demands come from the begin of the run; while it had the speeds `before_mps` the brake alone goes along.
+    """
     condition = np.empty(CONDITION)
     rate_radps = np.empty(4)
     start = position_m
-    for k in range(demand.shape[0]):
+    for k in range(before_mps.shape[0]):
+        rate_radps[:] = before_mps[k] / radius_m
+        advance_brake(brake[0], demand[k], no_wsp, rate_radps, before_mps[k])
+    for k in range(before_mps.shape[0], demand.shape[0]):
         rate_radps[:] = speed_mps / radius_m
         advance_brake(brake[0], demand[k], no_wsp, rate_radps, speed_mps)
         force_n = (np.sum(brake[0].torque_nm) + np.sum(brake[0].dynamic_torque_nm)) / radius_m

@@ -66,6 +66,7 @@ class WheelsetStream(Stream):
         "m", WHEELSETS, about="of the wheelset against the track, to the left"
     )
     peak_adhesion: FloatArray = quantity("1", WHEELSETS, about="what the rail offers there at this speed and load")
+    peak_slip: FloatArray = quantity("1", WHEELSETS, about="slip at which the rail offers it")
     brake_torque_nm: FloatArray = quantity("N m", WHEELSETS, about="friction torque acting on the wheelset")
     drive_torque_nm: FloatArray = quantity("N m", WHEELSETS, about="of motors and dynamic brake, positive forward")
     friction_power_w: FloatArray = quantity("W", WHEELSETS, about="dissipated in both contacts")

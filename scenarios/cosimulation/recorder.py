@@ -91,7 +91,7 @@ class Recorder:
         speed = rows["wheelset_speed_mps"]
         moving = np.abs(speed) > _STILL_MPS
         slip = np.where(moving, (speed - rows["rim_speed_mps"]) / np.where(moving, speed, 1.0), 0.0)
-        offered = np.empty_like(speed)
+        offered, at_slip = np.empty_like(speed), np.empty_like(speed)
         law = contact.law
         _offered_adhesion(
             speed,
@@ -103,6 +103,7 @@ class Recorder:
             contact.load_n,
             contact.parameters.shear_modulus_pa,
             offered,
+            at_slip,
         )
         copied = ("t_s", "rim_speed_mps", "wheel_angle_rad", "lateral_displacement_m", "normal_force_n",
                   "longitudinal_force_n", "lateral_force_n", "brake_torque_nm", "drive_torque_nm",
@@ -113,6 +114,7 @@ class Recorder:
             speed_mps=speed,
             slip=slip,
             peak_adhesion=offered,
+            peak_slip=at_slip,
         )
 
 
@@ -127,22 +129,23 @@ def _fields(rows: np.ndarray, names: Sequence[str]) -> dict[str, np.ndarray]:
 @compiled
 def _offered_adhesion(
     speed: Array, normal: Array, conditions: Array, law: tuple[int, int], extra: Array, patch: Vector,
-    reference_load_n: float, shear_modulus_pa: float, offered: Array,
+    reference_load_n: float, shear_modulus_pa: float, offered: Array, at_slip: Array,
 ) -> None:  # fmt: skip
-    """Load-weighted peak adhesion of the two wheels of each wheelset, into `offered` (n, 4)."""
+    """Load-weighted peak adhesion of the two wheels of each wheelset, into `offered` (n, 4), and the slip that it is
+    found at into `at_slip`."""
     for n in range(speed.shape[0]):
         for i in range(4):
             left, right = conditions[n, 0, i], conditions[n, 1, i]
             loads = max(normal[n, 2 * i], 0.0), max(normal[n, 2 * i + 1], 0.0)
             if loads[0] + loads[1] <= 0.0:
-                offered[n, i] = 0.0
+                offered[n, i] = at_slip[n, i] = 0.0
                 continue
             # peak adhesion hardly depends on the load: on rails alike one search serves both wheels
             alike = True
             for k in range(left.size):
                 if abs(left[k] - right[k]) > 0.02 * abs(left[k]):
                     alike = False
-            total = 0.0
+            total = slip = 0.0
             for side in range(2):
                 if side == 1 and alike:
                     break
@@ -150,8 +153,11 @@ def _offered_adhesion(
                 growth = np.cbrt(load / reference_load_n)
                 grown = (patch[0] * growth, patch[1] * growth, patch[2], patch[3], patch[4], patch[5])
                 condition = right if side == 1 else left
-                peak, _ = offered_adhesion(
+                peak, creep = offered_adhesion(
                     law[0], law[1], extra, abs(speed[n, i]), max(load, 1.0), grown, condition, shear_modulus_pa, True
                 )
-                total += peak * (2.0 * load if alike else load)
+                carried = 2.0 * load if alike else load
+                total += peak * carried
+                slip += creep * carried
             offered[n, i] = total / (loads[0] + loads[1])
+            at_slip[n, i] = slip / (loads[0] + loads[1])

@@ -48,7 +48,7 @@ def draw_axle_speeds(truth: Truth) -> Figure:
         _drive_torques(rows[1], wheelsets)
     if brakes:
         _cylinder_pressures(rows[-2], brake)
-        _valve_bars(rows[-1], brake)
+        valve_bars(rows[-1], brake)
     rows[-1].set_xlabel("time  s")
     rows[-1].set_xlim(first_s, motion.t_s[-1])
     return figure
@@ -89,7 +89,8 @@ def _shade_locks(axes: Axes, truth: Truth) -> None:
         )
 
 
-def _valve_bars(axes: Axes, brake: BrakeStream) -> None:
+def valve_bars(axes: Axes, brake: BrakeStream) -> None:
+    """Bars over time of the state of each axle's valves: hold, vent, nothing where the cylinder fills."""
     for state, colour in VALVE_COLOURS.items():
         corners = np.concatenate([_bars(brake.t_s, brake.valve[:, i] == state, 4.0 - i) for i in range(4)])
         if len(corners):
