@@ -11,7 +11,7 @@ LEAD_S = 2.0
 
 
 def draw_slip_and_adhesion(truth: Truth) -> Figure:
-    """Left: slip above 10 km/h. Right: force over load of each axle, along the track, below the peak that it is offered.
+    """Left: slip above 10 km/h. Right: force over load of each axle along the track, below the peak that it is offered.
 
     The green band is what a later axle gains: its peak above the one that axle 1 found at the same place
     (at the speed that the train had then: on rail that keeps nothing, a little remains at the end). A locked
