@@ -94,10 +94,11 @@ def _add_contact(
     slide_c[2] -= widening * lz
     for j in range(3):
         slide_l[3 + j] += factor_q * rim * (rotation[0, j] * mx + rotation[1, j] * my + rotation[2, j] * mz)
-    # slope of the creep force: the tangent along the sliding velocity, the secant across it
+    # slope of the creep force: the tangent along the sliding velocity, the secant across it; and along it too while the
+    # wheelset regains its grip, for a step with the secant ends before zero slip
     ec, el = report[DIRECTION], report[DIRECTION + 1]
     secant = report[SECANT]
-    bend = report[TANGENT] - secant
+    bend = 0.0 if coach.regaining[i] > 0.0 else report[TANGENT] - secant
     cc, cl, ll = secant + bend * ec * ec, bend * ec * el, secant + bend * el * el
     share_c, share_l = report[LOAD_SHARE], report[LOAD_SHARE + 1]
     turn = factor_q * report[NORMAL_TURN]

@@ -96,6 +96,7 @@ COACH = np.dtype(
         ("old_slide", "f8", (4, 2)),  # of the last step
         ("old_touch", "f8", (4, 2)),
         ("old_stuck", "f8", (4,)),
+        ("regaining", "f8", (4,)),  # 1: a step with its tangents would carry the wheelset through zero slip
         ("old_heading", "f8", (2,)),  # of the carbody, as x and y of its x axis
         # scratch
         ("force", "f8", (CLASSES, COORDINATES)),

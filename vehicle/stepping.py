@@ -15,7 +15,7 @@ from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_memory import remember_friction
 from wheel_rail.adhesion_state import RailTables, crush_sand, deposit, rail_of
 from wheel_rail.compiled import Array, Record, array_at, compiled
-from wheel_rail.contact import NORMAL, PENETRATION, SECANT, SLIDE, SLIDE_POWER, SLIDE_SPEED, TANGENT
+from wheel_rail.contact import LONGITUDINAL, NORMAL, PENETRATION, SECANT, SLIDE, SLIDE_POWER, SLIDE_SPEED, TANGENT
 from wheel_rail.sanding import lay_sand
 
 SPECTRAL_RADIUS = 0.1
@@ -98,14 +98,18 @@ def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
 
     It is old when the error of a creep slope, times what the slip has moved in the step, makes a false force of 0.03 %
     of the wheel load (this decides the accuracy at the edge of sliding); when a slope times step over effective mass
-    has changed by over one half; when a wheel has lifted or landed, a brake has caught or let go, or the coach has
-    turned by 2 mrad.
+    has changed by over one half; when a wheel has lifted or landed, a brake has caught or let go, a wheelset regains
+    its grip or has regained it, or the coach has turned by 2 mrad.
     """
     aged = False
     radius = coach.contact.radius_m
     unit = coach.spin_inertia / (step_s * radius * radius)
     for i in range(4):
         if coach.stuck[i] != coach.old_stuck[i]:
+            aged = True
+        was_regaining = coach.regaining[i]
+        coach.regaining[i] = 1.0 if _regains_grip(i, unit, coach) else 0.0
+        if coach.regaining[i] > 0.0 or was_regaining > 0.0:
             aged = True
         for side in range(2):
             report = coach.report[i, side]
@@ -120,6 +124,23 @@ def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
                 aged = True
     turn = coach.rotation[0, 1, 0] * coach.old_heading[0] - coach.rotation[0, 0, 0] * coach.old_heading[1]
     return aged or abs(turn) > 0.002
+
+
+@compiled
+def _regains_grip(i: int, unit: float, coach: Record) -> bool:
+    """Whether a step with the tangents of wheelset i would carry its slip through zero, out of saturated creep.
+
+    The tangent there is flat and knows nothing of the force that reverses beyond: the wheelset would ring from one side
+    to the other, step by step. `unit`: spin inertia over step and radius squared, N s/m.
+    """
+    left, right = coach.report[i, 0], coach.report[i, 1]
+    slide = 0.5 * (left[SLIDE] + right[SLIDE])
+    tangent, secant = left[TANGENT] + right[TANGENT], left[SECANT] + right[SECANT]
+    if tangent > 0.5 * secant:
+        return False
+    driven = (coach.brake_torque[i] + coach.drive[i]) / coach.contact.radius_m
+    change = (left[LONGITUDINAL] + right[LONGITUDINAL] - driven) / max(unit + tangent, 0.1 * unit)
+    return slide * (slide + change) < 0.0
 
 
 @compiled
