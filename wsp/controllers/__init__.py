@@ -1,9 +1,16 @@
 """WSP controllers by name; see wsp.controllers.interface for what one is."""
 
+from wsp.controllers.adaptive import Adaptive
 from wsp.controllers.interface import Controller, ControllerOutput
 from wsp.controllers.none import NoProtection
 from wsp.controllers.rule_table import RuleTable
+from wsp.controllers.slip_tracking import SlipTracking
 
-CONTROLLERS: dict[str, type] = {"none": NoProtection, "rule-table": RuleTable}
+CONTROLLERS: dict[str, type] = {
+    "none": NoProtection,
+    "rule-table": RuleTable,
+    "slip-tracking": SlipTracking,
+    "adaptive": Adaptive,
+}
 
-__all__ = ["CONTROLLERS", "Controller", "ControllerOutput", "NoProtection", "RuleTable"]
+__all__ = ["Adaptive", "CONTROLLERS", "Controller", "ControllerOutput", "NoProtection", "RuleTable", "SlipTracking"]

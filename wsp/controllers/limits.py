@@ -1,0 +1,75 @@
+"""Limits that no control law may pass: how long an axle may go unfilled; and the axles that a law cannot command."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from wsp.controllers.interface import AXLES
+from wsp.controllers.records import Record
+from wsp.valves import FILL, VENT
+
+
+@njit(cache=True)
+def sighted(s: Record, axle: int) -> bool:
+    """Whether an axle's speed is known."""
+    return not np.isnan(s.speed_mps[axle])
+
+
+@njit(cache=True)
+def _leave_alone(s: Record, c: Record, axle: int) -> int:
+    """An axle is left to the driver's brake, and what was done to it before forgotten; the valve code for that."""
+    s.since_vent[axle] = c.quiet
+    s.unfilled[axle] = 0
+    s.vented[axle] = 0
+    s.forced[axle] = 0
+    return FILL
+
+
+@njit(cache=True)
+def guarded(s: Record, c: Record, axle: int, code: int) -> int:
+    """Watchdog: the valve code that is commanded when the law wants `code`; counts the time since the last vent.
+
+    Once the valves have not let air in for the longest time, they do: an axle that was vented since gets its brake
+    back for a while, whatever it does (whoever vents so long is mistaken); one that was only held gets a tick of it,
+    enough for the brake's own safety timer, which counts held valves as well.
+    """
+    if s.forced[axle] > 0:
+        s.forced[axle] -= 1
+        code = FILL
+    elif code != FILL and s.unfilled[axle] >= c.watchdog:
+        code = FILL
+        if s.vented[axle]:
+            s.forced[axle] = c.watchdog_refill - 1
+    if code == FILL:
+        s.unfilled[axle] = 0
+        s.vented[axle] = 0
+    else:
+        s.unfilled[axle] += 1
+        if code == VENT:
+            s.vented[axle] = 1
+    s.since_vent[axle] = 0 if code == VENT else s.since_vent[axle] + 1
+    return code
+
+
+@njit(cache=True)
+def partner_of(axle: int) -> int:
+    """The other axle of the bogie."""
+    return axle + 1 if axle % 2 == 0 else axle - 1
+
+
+@njit(cache=True)
+def command_the_rest(s: Record, c: Record, valve: NDArray[np.int8], at_work: bool) -> None:
+    """Fill in the valve codes of the axles that no law commands, those of the others being there.
+
+    Blind axles get what the law commands for the other axle of their bogie: they would lock for certain on rail on
+    which that one slides, and so do only if they grip much worse. Blind with it, or with no valve to be worked at all,
+    an axle is left to the driver's brake.
+    """
+    for axle in range(AXLES):
+        if at_work and sighted(s, axle):
+            continue
+        partner = partner_of(axle)
+        if at_work and sighted(s, partner):
+            valve[axle] = guarded(s, c, axle, valve[partner])
+        else:
+            valve[axle] = _leave_alone(s, c, axle)
