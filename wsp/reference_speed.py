@@ -17,7 +17,8 @@ WSP is at work.
 Even so, four wheels that slide away together slowly (rail below 0.03, part of the brake demanded) take it along for as
 long as none of them grips. `axle-release` therefore counts the time in which no axle has come up to the prediction;
 when it is over, one axle, the next in rotation, is relieved until it rolls evenly. Its speed is the train's; the
-deceleration is then the one that leads from the last speed known for certain to this one. """
+deceleration is then the one that leads from the last speed known for certain to this one.
+"""
 
 from typing import Literal
 

@@ -2,7 +2,8 @@
 
 When no axle has come up to the prediction of the reference speed for too long, one axle is relieved (the controller
 takes pressure off it) until it rolls evenly. Its speed is the train's then, and the deceleration the one that leads to
-it from the last speed known for certain. """
+it from the last speed known for certain.
+"""
 
 import numpy as np
 from numba import njit

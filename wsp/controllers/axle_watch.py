@@ -91,7 +91,7 @@ def _judge(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArra
 
 @njit(cache=True)
 def compare_axles(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.bool_]) -> None:
-    """To be called while unbraked: find liars, learn the wheels' ratios (a running mean at first, then one that fades)."""
+    """While unbraked: find liars; learn the wheels' ratios, a running mean at first, then one that fades."""
     if not s.reference_mps >= c.compare_above_mps or abs(s.deceleration_mps2) > c.compare_below_mps2:
         return
     _judge(s, c, reading_mps, valid)

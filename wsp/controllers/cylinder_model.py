@@ -3,7 +3,8 @@
 There is no pressure sensor. `committed` is the pressure of an axle when every command given so far has acted; what acts
 now is what was committed `delay` ticks ago (a tick of the link, the valves' dead time, half their opening time). Flow
 by ISO 6358 as in wsp.pneumatics, from a distributor that follows the demand at constant rates. Its figures are those
-that the brake's drawings give; the real brake differs, so nothing here may be relied on to the last tenth of a bar. """
+that the brake's drawings give; the real brake differs, so nothing here may be relied on to the last tenth of a bar.
+"""
 
 from typing import Any
 

@@ -11,7 +11,8 @@ then the third axle tries another slip level for as long as it takes to measure
 both relative to the lowest level. An axle with n axles behind it then takes the level with the largest own + n cleaned:
 where slip cleans the rail the leading axles scrub it and the last one brakes at its own best, where it does not all
 stay at the peak of their curve. The next level above those in use is tried only from there, so that a rail whose
-adhesion falls with slip costs no more than a look over the lowest step. """
+adhesion falls with slip costs no more than a look over the lowest step.
+"""
 
 from typing import Any
 
