@@ -74,9 +74,14 @@ class ReferenceSpeedParameters(BaseModel):
         description="or when the speed may have gone wrong by this, as the last relief found the deceleration wrong",
     )
     release_longest_s: float = Field(default=4.0, gt=0.0, le=5.0, description="an axle is relieved no longer than this")
-    rolling_s: float = Field(default=0.15, gt=0.0, le=5.0, description="memory of a relieved axle's mean acceleration")
+    rolling_s: float = Field(
+        default=0.15, gt=0.0, le=5.0, description="memory of a relieved axle's mean acceleration, ..."
+    )
     rolling_mps2: float = Field(
-        default=0.5, gt=0.0, le=5.0, description="it rolls evenly when that is within this of the train's"
+        default=0.5,
+        gt=0.0,
+        le=5.0,
+        description="... and it rolls evenly when that has been within this of the train's for as long",
     )
 
 

@@ -13,8 +13,8 @@ from wsp.controllers.records import Record
 
 NO_AXLE = -1
 
-# What the mean of a relieved axle's acceleration starts from: valves and air need their time, and an axle that is not
-# relieved yet may slide as evenly as a free one rolls.
+# What the mean of a relieved axle's acceleration starts from, with the sign of what it does: valves and air need their
+# time, and an axle that is not relieved yet may slide as evenly as a free one rolls.
 _NOT_ROLLING_MPS2 = 2.0
 
 _CREEP_COUNTS_FOR_S = 1.0
@@ -69,12 +69,16 @@ def relieve_in_rotation(s: Record, c: Record, wanted: bool) -> None:
             if axle != NO_AXLE:
                 s.relieved = axle
                 s.relieved_last = axle
+                falls = s.acceleration_mps2[axle] + s.deceleration_mps2 < 0.0
+                s.rolling_mps2 = -_NOT_ROLLING_MPS2 if falls else _NOT_ROLLING_MPS2
             s.relieved_ticks = 0
-            s.rolling_mps2 = _NOT_ROLLING_MPS2
+            s.rolled_ticks = 0
         return
     s.relieved_ticks += 1
     s.rolling_mps2 += (s.acceleration_mps2[axle] + s.deceleration_mps2 - s.rolling_mps2) * c.rolling_share
-    if wanted and abs(s.rolling_mps2) < c.rolling_mps2:
+    # an axle that begins to gain speed passes through the train's acceleration as well, but does not stay at it
+    s.rolled_ticks = s.rolled_ticks + 1 if s.grips and abs(s.rolling_mps2) < c.rolling_mps2 else 0
+    if wanted and s.rolled_ticks >= c.rolling_for:
         fallen = s.supported_mps - s.speed_mps[axle]
         # both speeds are wrong by a little creep, which over a short time would count for too much
         error = (fallen - s.reckoned_mps) / (s.unsupported * c.period_s + _CREEP_COUNTS_FOR_S)

@@ -11,7 +11,14 @@ from wsp.axle_speed import compare_wheels, fading_memory_after
 from wsp.controllers.interface import AXLES
 from wsp.controllers.records import Record
 
-_LEVEL_SHARE = 0.01  # a frozen reading stands out from the others by this at least
+_LEVEL_SHARE = 0.01  # within this readings count as equal; a frozen one stands out by more
+_LEVEL_MPS = 0.1
+
+# An axle without its brake that slides gains speed with its whole adhesion, 2.6 m/s2 on rail of 0.01; one that rolls
+# gains none but what the train may gain downhill.
+_ROLLS_BELOW_MPS2 = 1.0
+_ROLLS_AFTER_S = 0.3
+_LIES_AFTER_S = 1.0
 
 
 @njit(cache=True)
@@ -98,3 +105,38 @@ def compare_axles(s: Record, c: Record, reading_mps: NDArray[np.float64], valid:
     if valid.all():
         s.compared = min(s.compared + 1, c.compare_memory)
         compare_wheels(s.wheel_ratio, reading_mps, s.distrusted == 0, 1.0 / s.compared, c.largest_wheel_difference)
+
+
+@njit(cache=True)
+def motion_of_rolling_axles(s: Record, c: Record) -> tuple[float, float]:
+    """Speed (m/s) and mean acceleration (m/s2) of two or more axles that roll, their brakes out, below the reference.
+
+    nan if there are none.
+    Whoever goes ahead of them is not believed any more: a wheel smaller than supposed, too many teeth counted, a
+    reading that stands. One axle alone that rolls so for longer, all others being ahead, is not believed itself.
+    """
+    count = 0
+    slowest = -1
+    speed = np.nan
+    acceleration = 0.0
+    for axle in range(AXLES):
+        below = s.speed_mps[axle] < (1.0 - _LEVEL_SHARE) * s.reference_mps - _LEVEL_MPS
+        out = s.vented[axle] >= c.empty_after and axle != s.relieved
+        if below and out and s.acceleration_mps2[axle] < _ROLLS_BELOW_MPS2:
+            s.rolls[axle] += 1
+        else:
+            s.rolls[axle] = 0
+        if s.rolls[axle] * c.period_s >= _ROLLS_AFTER_S:
+            count += 1
+            slowest = axle
+            acceleration += s.acceleration_mps2[axle]
+            if not s.speed_mps[axle] <= speed:
+                speed = s.speed_mps[axle]
+    if count >= 2:
+        for axle in range(AXLES):
+            if s.speed_mps[axle] > (1.0 + _LEVEL_SHARE) * speed + _LEVEL_MPS:
+                s.distrusted[axle] = 1
+        return speed, acceleration / count
+    if count == 1 and s.rolls[slowest] * c.period_s >= _LIES_AFTER_S:
+        s.distrusted[slowest] = 1
+    return np.nan, np.nan

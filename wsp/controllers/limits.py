@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from wsp.controllers.interface import AXLES
 from wsp.controllers.records import Record
-from wsp.valves import FILL, VENT
+from wsp.valves import FILL, HOLD, VENT
 
 
 @njit(cache=True)
@@ -21,6 +21,7 @@ def _leave_alone(s: Record, c: Record, axle: int) -> int:
     s.since_vent[axle] = c.quiet
     s.unfilled[axle] = 0
     s.vented[axle] = 0
+    s.rolls[axle] = 0
     s.forced[axle] = 0
     return FILL
 
@@ -38,7 +39,7 @@ def guarded(s: Record, c: Record, axle: int, code: int) -> int:
         code = FILL
     elif code != FILL and s.unfilled[axle] >= c.watchdog:
         code = FILL
-        if s.vented[axle]:
+        if s.vented[axle] > 0:
             s.forced[axle] = c.watchdog_refill - 1
     if code == FILL:
         s.unfilled[axle] = 0
@@ -46,7 +47,7 @@ def guarded(s: Record, c: Record, axle: int, code: int) -> int:
     else:
         s.unfilled[axle] += 1
         if code == VENT:
-            s.vented[axle] = 1
+            s.vented[axle] += 1
     s.since_vent[axle] = 0 if code == VENT else s.since_vent[axle] + 1
     return code
 
@@ -58,11 +59,24 @@ def partner_of(axle: int) -> int:
 
 
 @njit(cache=True)
+def _thinned(s: Record, c: Record, axle: int, code: int, under_control: bool) -> int:
+    """A share of the ticks of filling, evenly spread; all else as it is."""
+    if code != FILL or not under_control:
+        return code
+    s.fill_due[axle] += c.blind_share
+    if s.fill_due[axle] < 1.0:
+        return HOLD
+    s.fill_due[axle] -= 1.0
+    return FILL
+
+
+@njit(cache=True)
 def command_the_rest(s: Record, c: Record, valve: NDArray[np.int8], at_work: bool) -> None:
     """Fill in the valve codes of the axles that no law commands, those of the others being there.
 
-    Blind axles get what the law commands for the other axle of their bogie: they would lock for certain on rail on
-    which that one slides, and so do only if they grip much worse. Blind with it, or with no valve to be worked at all,
+    A blind axle is vented with the other axle of its bogie, and while that is under control filled for a share of the
+    time only for which that is: venting takes a share of a pressure and filling adds to it, so that over some pulses
+    its pressure becomes that share of the other's. Where its partner is blind as well, or no valve to be worked at all,
     an axle is left to the driver's brake.
     """
     for axle in range(AXLES):
@@ -70,6 +84,6 @@ def command_the_rest(s: Record, c: Record, valve: NDArray[np.int8], at_work: boo
             continue
         partner = partner_of(axle)
         if at_work and sighted(s, partner):
-            valve[axle] = guarded(s, c, axle, valve[partner])
+            valve[axle] = guarded(s, c, axle, _thinned(s, c, axle, valve[partner], s.since_vent[partner] < c.quiet))
         else:
             valve[axle] = _leave_alone(s, c, axle)

@@ -22,7 +22,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from wsp.controllers.axle_release import still_falls
+from wsp.controllers.axle_release import NO_AXLE, still_falls
 from wsp.controllers.cylinder_model import (
     commit,
     committed_before,
@@ -38,6 +38,8 @@ from wsp.controllers.slip_law_parameters import SlipLawControllerParameters
 from wsp.controllers.supervision import observe
 from wsp.valves import FILL, HOLD, VENT
 
+_EMPTY_BAR = 0.05  # supposed to be out: a vent valve left open costs nothing, and makes sure
+_GRIPPING_SHARE = 0.5  # of its relief by which a gripping axle's adhesion has fallen at least
 _FURTHER_RELIEF_BAR = 0.03  # a tick, for a relieved axle that still falls
 
 
@@ -51,14 +53,27 @@ def slip_law_constants(p: SlipLawControllerParameters, period_s: float) -> dict[
 
 
 def slip_law_state() -> dict[str, Any]:
-    """State by name, besides the supervision's: adhesion f, m/s2, its mean, set-points, where relief leads to."""
+    """State by name, besides the supervision's: adhesion f, m/s2, its mean, set-points, relief from and to."""
     return {
         **cylinder_state(),
         "adhesion_mps2": np.zeros(AXLES),
         "mean_adhesion_mps2": 0.0,
         "slip_set_mps": np.zeros(AXLES),
+        "relieved_from_bar": 0.0,
+        "relieved_from_mps2": 0.0,
         "relieved_to_bar": 0.0,
     }
+
+
+@njit(cache=True)
+def _grips(s: Record, c: Record) -> bool:
+    """Whether the relieved axle's adhesion has gone down with its brake: a sliding one's does not depend on it."""
+    if s.relieved == NO_AXLE:
+        return False
+    acting_bar = committed_before(s, s.relieved, c.delay)
+    relief = c.mps2_per_bar * (s.relieved_from_bar - acting_bar)
+    adhesion = s.acceleration_mps2[s.relieved] + c.mps2_per_bar * acting_bar
+    return bool(relief > 0.0 and s.relieved_from_mps2 - adhesion > _GRIPPING_SHARE * relief)
 
 
 @njit(cache=True)
@@ -77,6 +92,7 @@ def observe_adhesion(
         # a reading is the mean over the past tick, and the difference of two the acceleration one tick ago
         change = committed_before(s, axle, c.delay) - committed_before(s, axle, c.delay + 1)
         s.acceleration_mps2[axle] -= c.mps2_per_bar * change
+    s.grips = _grips(s, c)
     at_work = observe(s, c, axle_speed_mps, valid, demand, direction, outside_mps)
     mean = 0.0
     for axle in range(AXLES):
@@ -107,7 +123,7 @@ def _for_slip(s: Record, c: Record, axle: int) -> int:
     # what a tick of a command gives, half of it while the valve opens and half while it shuts
     if change < 0.0:
         vented = 2.0 * (held - pressure_after(s, c, axle, VENT))
-        if vented > 0.0 and -change > c.vent_share * vented:
+        if held < _EMPTY_BAR or -change > c.vent_share * vented:
             return VENT
     elif change > c.fill_share * 2.0 * (pressure_after(s, c, axle, FILL) - held):
         return FILL
@@ -119,6 +135,8 @@ def _relieved(s: Record, c: Record, axle: int) -> int:
     """Valve code of the axle that is relieved to show the train's speed: a little below its adhesion, then held."""
     if s.relieved_ticks == 0:
         less = max(c.relief_share * s.adhesion_mps2[axle], c.least_relief_mps2)
+        s.relieved_from_bar = committed_before(s, axle, c.delay)
+        s.relieved_from_mps2 = s.adhesion_mps2[axle]
         s.relieved_to_bar = s.committed_bar[axle] - less / c.mps2_per_bar
     elif still_falls(s, c):
         s.relieved_to_bar -= _FURTHER_RELIEF_BAR

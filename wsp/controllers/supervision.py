@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from wsp.controllers.axle_release import NO_AXLE, relieve_in_rotation, take_as_certain
-from wsp.controllers.axle_watch import compare_axles, follow_axles
+from wsp.controllers.axle_watch import compare_axles, follow_axles, motion_of_rolling_axles
 from wsp.controllers.interface import AXLES
 from wsp.controllers.records import Record, ticks
 from wsp.controllers.supervision_parameters import SupervisionParameters
@@ -36,10 +36,12 @@ def supervision_constants(p: SupervisionParameters, period_s: float) -> dict[str
         "compare_memory": ticks(p.compare_memory_s, period_s),
         "largest_wheel_difference": p.largest_wheel_difference,
         "distrust_after": ticks(p.distrust_after_s, period_s),
+        "empty_after": ticks(p.empty_after_s, period_s),
         "cut_off_mps": p.cut_off_mps,
         "quiet": ticks(p.quiet_s, period_s),
         "watchdog": ticks(p.watchdog_s, period_s),
         "watchdog_refill": ticks(p.watchdog_refill_s, period_s),
+        "blind_share": p.blind_share,
         "sand_below_mps2": p.sand_below_mps2,
         "track_brake_below_mps2": p.track_brake_below_mps2,
         "request_after": ticks(p.request_after_s, period_s),
@@ -56,6 +58,7 @@ def supervision_constants(p: SupervisionParameters, period_s: float) -> dict[str
         "release_longest": ticks(r.release_longest_s, period_s),
         "rolling_share": 1.0 / ticks(r.rolling_s, period_s),
         "rolling_mps2": r.rolling_mps2,
+        "rolling_for": ticks(r.rolling_s, period_s),
     }
 
 
@@ -63,27 +66,30 @@ def supervision_state(p: SupervisionParameters, period_s: float) -> dict[str, An
     """State by name as a run begins."""
     each_axle = np.zeros(AXLES, np.int64)
     return {
-        # axles: filtered speed and acceleration; ticks since the last vent, unfilled, of forced filling left; whether
-        # vented since the last filling (0 or 1: numba knows no arrays of flags in a record)
+        # axles: filtered speed and acceleration; ticks since the last vent, unfilled, of venting since the last fill,
+        # of forced filling left; filling due to a blind axle
         "speed_mps": np.full(AXLES, np.nan),
         "acceleration_mps2": np.zeros(AXLES),
         "since_vent": each_axle + ticks(p.quiet_s, period_s),
         "unfilled": each_axle,
         "vented": each_axle,
         "forced": each_axle,
-        # what is believed of their readings
+        "fill_due": np.zeros(AXLES),
+        # what is believed of their readings; ticks of rolling with the brake out
         "last_reading_mps": np.full(AXLES, np.nan),
         "same_reading": each_axle,
         "wheel_ratio": np.ones(AXLES),
         "compared": 0,
         "judged": each_axle,
-        "distrusted": each_axle,
+        "rolls": each_axle,
+        "distrusted": each_axle,  # 0 or 1: numba knows no arrays of flags in a record
         # train
         "started": False,
         "reference_mps": 0.0,
         "deceleration_mps2": 0.0,
         # release: ticks without an axle up to the prediction, the speed before them and what was reckoned off it since;
-        # axle relieved, for how many ticks, its mean acceleration against the train, error of the deceleration expected
+        # axle relieved, for how many ticks, its mean acceleration against the train, for how many ticks that was a
+        # rolling one's, whether a law that knows its pressures takes it for gripping; error of the deceleration
         "unsupported": 0,
         "supported_mps": 0.0,
         "reckoned_mps": 0.0,
@@ -91,6 +97,8 @@ def supervision_state(p: SupervisionParameters, period_s: float) -> dict[str, An
         "relieved_last": AXLES - 1,
         "relieved_ticks": 0,
         "rolling_mps2": 0.0,
+        "rolled_ticks": 0,
+        "grips": True,
         "unsure_mps2": _FIRST_ERROR_MPS2,
         # ticks of too little deceleration
         "short_of_sand": 0,
@@ -162,6 +170,16 @@ def _follow_train(s: Record, c: Record, outside_mps: float, braking: bool) -> No
 
 
 @njit(cache=True)
+def _settle_contradictions(s: Record, c: Record) -> None:
+    """Rolling wheels go at the train's speed, whatever another one says."""
+    speed, acceleration = motion_of_rolling_axles(s, c)
+    if not np.isnan(speed):
+        s.reference_mps = speed
+        s.deceleration_mps2 = min(max(-acceleration, 0.0), c.fall_limit_mps2)
+        take_as_certain(s)
+
+
+@njit(cache=True)
 def observe(
     s: Record,
     c: Record,
@@ -176,6 +194,8 @@ def observe(
         compare_axles(s, c, axle_speed_mps, valid)
     follow_axles(s, c, axle_speed_mps, valid, direction)
     _follow_train(s, c, outside_mps, demand > 0.0)
+    if s.started and np.isnan(outside_mps):
+        _settle_contradictions(s, c)
     return demand > 0.0 and s.started and s.reference_mps >= c.cut_off_mps
 
 

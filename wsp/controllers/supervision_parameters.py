@@ -35,6 +35,9 @@ class SupervisionParameters(BaseModel):
         description="new to worn: 920 to 850 mm, +-4 %; an axle that differs by more when unbraked is not believed",
     )
     distrust_after_s: Time = Field(default=1.0, description="and believed again when it has agreed for as long")
+    empty_after_s: Time = Field(
+        default=0.5, description="of venting without filling, after which a brake is out; 0.4 from 3.8 bar (M)"
+    )
     cut_off_mps: Size = Field(default=1.4, description="brakes fill freely below; M: 3..5 km/h")
     quiet_s: Time = Field(
         default=2.0, description="without venting for so long an axle is not under control: it fills freely"
@@ -44,6 +47,13 @@ class SupervisionParameters(BaseModel):
     )
     watchdog_refill_s: Time = Field(
         default=1.0, description="filling that then follows on an axle that was vented, whatever it does; assumed"
+    )
+    blind_share: float = Field(
+        default=0.4,
+        ge=0.0,
+        le=1.0,
+        description="pressure of an axle without a speed over that of its neighbour under control: what friction keeps "
+        "when a wheel locks, so that it does not stay locked",
     )
     sand_below_mps2: Size = Field(
         default=0.5,
