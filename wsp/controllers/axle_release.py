@@ -6,10 +6,9 @@ it from the last speed known for certain.
 """
 
 import numpy as np
-from numba import njit
 
 from wsp.controllers.interface import AXLES
-from wsp.controllers.records import Record
+from wsp.controllers.records import Record, part_of_tick
 
 NO_AXLE = -1
 
@@ -23,13 +22,13 @@ _SHORTEST_TIME_BETWEEN_S = 1.5
 _STILL_FALLS_AFTER_S = 0.4
 
 
-@njit(cache=True)
+@part_of_tick
 def still_falls(s: Record, c: Record) -> bool:
     """Whether the relieved axle goes on losing speed against the train although its relief must have acted by now."""
     return s.relieved_ticks * c.period_s >= _STILL_FALLS_AFTER_S and s.rolling_mps2 < -c.rolling_mps2
 
 
-@njit(cache=True)
+@part_of_tick
 def take_as_certain(s: Record) -> None:
     """The reference speed is taken as known now."""
     s.unsupported = 0
@@ -37,7 +36,7 @@ def take_as_certain(s: Record) -> None:
     s.supported_mps = s.reference_mps
 
 
-@njit(cache=True)
+@part_of_tick
 def _next_to_relieve(s: Record) -> int:
     """The next axle in rotation among those that slip least; NO_AXLE if all are blind."""
     fastest = -1.0
@@ -52,14 +51,14 @@ def _next_to_relieve(s: Record) -> int:
     return NO_AXLE
 
 
-@njit(cache=True)
+@part_of_tick
 def _due(s: Record, c: Record) -> bool:
     """Whether the speed has gone without support for too long, or may by now have gone wrong by too much."""
     longest = max(_SHORTEST_TIME_BETWEEN_S, c.release_error_mps / s.unsure_mps2)
     return s.unsupported * c.period_s > min(c.release_after_s, longest)
 
 
-@njit(cache=True)
+@part_of_tick
 def relieve_in_rotation(s: Record, c: Record, wanted: bool) -> None:
     """Choose the axle to be relieved, and take its speed for the train's when it rolls evenly; once a tick."""
     axle = s.relieved

@@ -4,24 +4,23 @@ An axle without a believable speed is "blind": its speed is nan.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wsp.axle_speed import compare_wheels, fading_memory_after
 from wsp.controllers.interface import AXLES
-from wsp.controllers.records import Record
+from wsp.controllers.records import Record, part_of_tick
 
 _LEVEL_SHARE = 0.01  # within this readings count as equal; a frozen one stands out by more
 _LEVEL_MPS = 0.1
 
-# An axle without its brake that slides gains speed with its whole adhesion, 2.6 m/s2 on rail of 0.01; one that rolls
-# gains none but what the train may gain downhill.
-_ROLLS_BELOW_MPS2 = 1.0
-_ROLLS_AFTER_S = 0.3
-_LIES_AFTER_S = 1.0
+# An axle that slides without its brake gains speed with its whole adhesion, 0.6 m/s2 at least even deep in the slide on
+# rail of 0.02; one that rolls gains none but what the train may gain downhill.
+_ROLLS_FOR_S = 0.5
+_GAINS_LESS_MPS = 0.1
+_ROLLS_ABOVE_SHARE = 0.6  # of the reference: no wheel diameter or tooth count is wrong by more
 
 
-@njit(cache=True)
+@part_of_tick
 def _frozen(s: Record, c: Record, reading_mps: NDArray[np.float64], axle: int) -> bool:
     """Whether an axle's reading has not moved by a bit for too long while all the others are slower.
 
@@ -40,7 +39,7 @@ def _frozen(s: Record, c: Record, reading_mps: NDArray[np.float64], axle: int) -
     return True
 
 
-@njit(cache=True)
+@part_of_tick
 def follow_axles(
     s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.bool_], direction: int
 ) -> None:
@@ -59,7 +58,7 @@ def follow_axles(
             )
 
 
-@njit(cache=True)
+@part_of_tick
 def _against_others(s: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.bool_], axle: int) -> float:
     """How far an axle is from the mean of the others that are believed, as a share of it; nan without two of them."""
     total = 0.0
@@ -73,7 +72,7 @@ def _against_others(s: Record, reading_mps: NDArray[np.float64], valid: NDArray[
     return abs(reading_mps[axle] * count / total - 1.0)
 
 
-@njit(cache=True)
+@part_of_tick
 def _judge(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.bool_]) -> None:
     """Stop believing the axle that differs most, if it has differed for too long; believe one that agrees again.
 
@@ -96,7 +95,7 @@ def _judge(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArra
             s.started = False
 
 
-@njit(cache=True)
+@part_of_tick
 def compare_axles(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.bool_]) -> None:
     """While unbraked: find liars; learn the wheels' ratios, a running mean at first, then one that fades."""
     if not s.reference_mps >= c.compare_above_mps or abs(s.deceleration_mps2) > c.compare_below_mps2:
@@ -107,36 +106,41 @@ def compare_axles(s: Record, c: Record, reading_mps: NDArray[np.float64], valid:
         compare_wheels(s.wheel_ratio, reading_mps, s.distrusted == 0, 1.0 / s.compared, c.largest_wheel_difference)
 
 
-@njit(cache=True)
-def motion_of_rolling_axles(s: Record, c: Record) -> tuple[float, float]:
-    """Speed (m/s) and mean acceleration (m/s2) of two or more axles that roll, their brakes out, below the reference.
+@part_of_tick
+def _rolls_unbraked(s: Record, c: Record, axle: int) -> bool:
+    """Whether an axle below the reference speed has gained none for some time although its brake must be out."""
+    speed, reference = s.speed_mps[axle], s.reference_mps
+    below = _ROLLS_ABOVE_SHARE * reference < speed < (1.0 - _LEVEL_SHARE) * reference - _LEVEL_MPS
+    if not below or s.vented[axle] < c.empty_after or axle == s.relieved:
+        s.rolls[axle] = 0
+        return False
+    if s.rolls[axle] == 0 or speed > s.rolls_from_mps[axle] + _GAINS_LESS_MPS:
+        s.rolls[axle] = 0
+        s.rolls_from_mps[axle] = speed
+    s.rolls[axle] += 1
+    return bool(s.rolls[axle] * c.period_s >= _ROLLS_FOR_S)
 
-    nan if there are none.
-    Whoever goes ahead of them is not believed any more: a wheel smaller than supposed, too many teeth counted, a
-    reading that stands. One axle alone that rolls so for longer, all others being ahead, is not believed itself.
+
+@part_of_tick
+def motion_of_rolling_axles(s: Record, c: Record) -> tuple[float, float]:
+    """Speed (m/s) and mean acceleration (m/s2) of two or more axles that roll alike below the reference speed.
+
+    nan if none do. They have no brake and do not slide, so that the train goes at their speed. Whoever is ahead of them
+    is not believed any more: a wheel smaller than supposed, too many teeth counted.
     """
     count = 0
-    slowest = -1
-    speed = np.nan
+    speed = 0.0
+    slowest = np.inf
     acceleration = 0.0
     for axle in range(AXLES):
-        below = s.speed_mps[axle] < (1.0 - _LEVEL_SHARE) * s.reference_mps - _LEVEL_MPS
-        out = s.vented[axle] >= c.empty_after and axle != s.relieved
-        if below and out and s.acceleration_mps2[axle] < _ROLLS_BELOW_MPS2:
-            s.rolls[axle] += 1
-        else:
-            s.rolls[axle] = 0
-        if s.rolls[axle] * c.period_s >= _ROLLS_AFTER_S:
+        if _rolls_unbraked(s, c, axle):
             count += 1
-            slowest = axle
+            speed = max(speed, s.speed_mps[axle])
+            slowest = min(slowest, s.speed_mps[axle])
             acceleration += s.acceleration_mps2[axle]
-            if not s.speed_mps[axle] <= speed:
-                speed = s.speed_mps[axle]
-    if count >= 2:
-        for axle in range(AXLES):
-            if s.speed_mps[axle] > (1.0 + _LEVEL_SHARE) * speed + _LEVEL_MPS:
-                s.distrusted[axle] = 1
-        return speed, acceleration / count
-    if count == 1 and s.rolls[slowest] * c.period_s >= _LIES_AFTER_S:
-        s.distrusted[slowest] = 1
-    return np.nan, np.nan
+    if count < 2 or slowest < (1.0 - _LEVEL_SHARE) * speed - _LEVEL_MPS:
+        return np.nan, np.nan
+    for axle in range(AXLES):
+        if s.speed_mps[axle] > (1.0 + _LEVEL_SHARE) * speed + _LEVEL_MPS:
+            s.distrusted[axle] = 1
+    return speed, acceleration / count

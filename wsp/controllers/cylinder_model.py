@@ -9,12 +9,11 @@ that the brake's drawings give; the real brake differs, so nothing here may be r
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
 from wsp.controllers.interface import AXLES
-from wsp.controllers.records import Record
+from wsp.controllers.records import Record, part_of_tick
 from wsp.pneumatics import ATMOSPHERE_BAR, pressure_emptied_bar, pressure_filled_bar
 from wsp.valves import FILL, VENT
 
@@ -82,7 +81,7 @@ def cylinder_state() -> dict[str, Any]:
     }
 
 
-@njit(cache=True)
+@part_of_tick
 def follow_demand(s: Record, c: Record, demand: float) -> None:
     """The distributor's pressure one tick on."""
     target = demand * c.full_bar
@@ -92,7 +91,7 @@ def follow_demand(s: Record, c: Record, demand: float) -> None:
         s.distributor_bar = max(target, s.distributor_bar - c.fall_bar)
 
 
-@njit(cache=True)
+@part_of_tick
 def pressure_after(s: Record, c: Record, axle: int, code: int) -> float:
     """Committed pressure after one more tick of a command, bar; the passages change over within the tick."""
     before = s.commanded[axle]
@@ -110,7 +109,7 @@ def pressure_after(s: Record, c: Record, axle: int, code: int) -> float:
     return pressure - ATMOSPHERE_BAR
 
 
-@njit(cache=True)
+@part_of_tick
 def commit(s: Record, c: Record, valve: NDArray[np.int8]) -> None:
     """Remember the commands (4,) of a tick."""
     s.now = (s.now + 1) % _REMEMBERED
@@ -120,7 +119,7 @@ def commit(s: Record, c: Record, valve: NDArray[np.int8]) -> None:
         s.past_bar[s.now, axle] = s.committed_bar[axle]
 
 
-@njit(cache=True)
+@part_of_tick
 def committed_before(s: Record, axle: int, ticks_ago: int) -> float:
     """Pressure committed so many ticks ago (0: with the last command), bar."""
     return s.past_bar[(s.now - ticks_ago) % _REMEMBERED, axle]

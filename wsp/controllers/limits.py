@@ -1,21 +1,20 @@
 """Limits that no control law may pass: how long an axle may go unfilled; and the axles that a law cannot command."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wsp.controllers.interface import AXLES
-from wsp.controllers.records import Record
+from wsp.controllers.records import Record, part_of_tick
 from wsp.valves import FILL, HOLD, VENT
 
 
-@njit(cache=True)
+@part_of_tick
 def sighted(s: Record, axle: int) -> bool:
     """Whether an axle's speed is known."""
     return not np.isnan(s.speed_mps[axle])
 
 
-@njit(cache=True)
+@part_of_tick
 def _leave_alone(s: Record, c: Record, axle: int) -> int:
     """An axle is left to the driver's brake, and what was done to it before forgotten; the valve code for that."""
     s.since_vent[axle] = c.quiet
@@ -26,7 +25,7 @@ def _leave_alone(s: Record, c: Record, axle: int) -> int:
     return FILL
 
 
-@njit(cache=True)
+@part_of_tick
 def guarded(s: Record, c: Record, axle: int, code: int) -> int:
     """Watchdog: the valve code that is commanded when the law wants `code`; counts the time since the last vent.
 
@@ -52,13 +51,13 @@ def guarded(s: Record, c: Record, axle: int, code: int) -> int:
     return code
 
 
-@njit(cache=True)
+@part_of_tick
 def partner_of(axle: int) -> int:
     """The other axle of the bogie."""
     return axle + 1 if axle % 2 == 0 else axle - 1
 
 
-@njit(cache=True)
+@part_of_tick
 def _thinned(s: Record, c: Record, axle: int, code: int, under_control: bool) -> int:
     """A share of the ticks of filling, evenly spread; all else as it is."""
     if code != FILL or not under_control:
@@ -70,7 +69,7 @@ def _thinned(s: Record, c: Record, axle: int, code: int, under_control: bool) ->
     return FILL
 
 
-@njit(cache=True)
+@part_of_tick
 def command_the_rest(s: Record, c: Record, valve: NDArray[np.int8], at_work: bool) -> None:
     """Fill in the valve codes of the axles that no law commands, those of the others being there.
 

@@ -5,19 +5,18 @@ nothing on board tells apart): near g times the adhesion when all axles slide.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from wsp.controllers.records import Record
+from wsp.controllers.records import Record, part_of_tick
 from wsp.controllers.supervision import under_control
 
 
-@njit(cache=True)
+@part_of_tick
 def _counted(count: int, short: bool, longest: int) -> int:
     return min(count + 1, 2 * longest) if short else max(count - 1, 0)
 
 
-@njit(cache=True)
+@part_of_tick
 def request(s: Record, c: Record, sand: NDArray[np.bool_], at_work: bool) -> bool:
     """Fill in the wish for sand (4,), all sanders alike; whether the track brake is wanted."""
     sliding = at_work and s.reference_mps >= c.request_above_mps and under_control(s, c)

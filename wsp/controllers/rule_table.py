@@ -10,7 +10,7 @@ from wsp.controllers.axle_release import still_falls
 from wsp.controllers.compiled import CompiledController
 from wsp.controllers.interface import AXLES
 from wsp.controllers.limits import command_the_rest, guarded, sighted
-from wsp.controllers.records import Record, ticks
+from wsp.controllers.records import Record, part_of_tick, ticks
 from wsp.controllers.requests import request
 from wsp.controllers.rule_table_parameters import ACTIONS, COLUMNS, ROWS, RuleTableParameters
 from wsp.controllers.supervision import known_reference, observe
@@ -19,7 +19,7 @@ from wsp.valves import FILL, HOLD, VENT
 _FILL, _FILL_PULSES, _HOLD, _VENT_PULSES, _VENT = range(len(ACTIONS))
 
 
-@njit(cache=True)
+@part_of_tick
 def _action(s: Record, c: Record, axle: int) -> int:
     """The table's action for an axle; one that is not under control yet is left alone unless it is to be vented."""
     if axle == s.relieved:
@@ -39,7 +39,7 @@ def _action(s: Record, c: Record, axle: int) -> int:
     return action
 
 
-@njit(cache=True)
+@part_of_tick
 def _pulsed(s: Record, c: Record, axle: int, action: int) -> int:
     """Valve code of an action now: a pulse waits until its cycle since the last one, of either kind, is over."""
     s.since_pulse[axle] += 1

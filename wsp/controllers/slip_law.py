@@ -19,7 +19,6 @@ change of mean f, since the train's mass feels the same forces as the wheelsets.
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wsp.controllers.axle_release import NO_AXLE, still_falls
@@ -33,7 +32,7 @@ from wsp.controllers.cylinder_model import (
 )
 from wsp.controllers.interface import AXLES
 from wsp.controllers.limits import command_the_rest, guarded, sighted
-from wsp.controllers.records import Record
+from wsp.controllers.records import Record, part_of_tick
 from wsp.controllers.slip_law_parameters import SlipLawControllerParameters
 from wsp.controllers.supervision import observe
 from wsp.valves import FILL, HOLD, VENT
@@ -65,7 +64,7 @@ def slip_law_state() -> dict[str, Any]:
     }
 
 
-@njit(cache=True)
+@part_of_tick
 def _grips(s: Record, c: Record) -> bool:
     """Whether the relieved axle's adhesion has gone down with its brake: a sliding one's does not depend on it."""
     if s.relieved == NO_AXLE:
@@ -76,7 +75,7 @@ def _grips(s: Record, c: Record) -> bool:
     return bool(relief > 0.0 and s.relieved_from_mps2 - adhesion > _GRIPPING_SHARE * relief)
 
 
-@njit(cache=True)
+@part_of_tick
 def observe_adhesion(
     s: Record,
     c: Record,
@@ -105,7 +104,7 @@ def observe_adhesion(
     return at_work
 
 
-@njit(cache=True)
+@part_of_tick
 def _for_slip(s: Record, c: Record, axle: int) -> int:
     """Valve code of an axle that is to slip as set; one that is not under control yet is vented or left alone."""
     acting = committed_before(s, axle, c.delay)
@@ -130,7 +129,7 @@ def _for_slip(s: Record, c: Record, axle: int) -> int:
     return FILL if alone else HOLD
 
 
-@njit(cache=True)
+@part_of_tick
 def _relieved(s: Record, c: Record, axle: int) -> int:
     """Valve code of the axle that is relieved to show the train's speed: a little below its adhesion, then held."""
     if s.relieved_ticks == 0:
@@ -146,7 +145,7 @@ def _relieved(s: Record, c: Record, axle: int) -> int:
     return HOLD
 
 
-@njit(cache=True)
+@part_of_tick
 def command_slips(s: Record, c: Record, valve: NDArray[np.int8], at_work: bool) -> None:
     """Fill in the valve codes that lead every axle to its set-point (s.slip_set_mps) within the limits."""
     for axle in range(AXLES):

@@ -17,12 +17,11 @@ adhesion falls with slip costs no more than a look over the lowest step.
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from wsp.controllers.axle_release import NO_AXLE
 from wsp.controllers.interface import AXLES
 from wsp.controllers.limits import sighted
-from wsp.controllers.records import Record
+from wsp.controllers.records import Record, part_of_tick
 from wsp.controllers.slip_search_parameters import LEVELS, SlipSearchParameters
 
 _BINS, _BIN_M = 64, 0.5
@@ -79,12 +78,12 @@ def slip_search_state(p: SlipSearchParameters, period_s: float) -> dict[str, Any
     }
 
 
-@njit(cache=True)
+@part_of_tick
 def _set_point_mps(s: Record, c: Record, level: int) -> float:
     return min(c.level_offset_mps + c.level_share[level] * s.reference_mps, c.largest_slip_mps)
 
 
-@njit(cache=True)
+@part_of_tick
 def _even(s: Record, c: Record, axle: int) -> bool:
     """Whether an axle slips as it is to, so that its adhesion belongs to that slip."""
     slip_set = s.slip_set_mps[axle]
@@ -92,7 +91,7 @@ def _even(s: Record, c: Record, axle: int) -> bool:
     return s.since_vent[axle] < c.quiet and axle != s.relieved and error < _EVEN_MPS + _EVEN_SHARE * slip_set
 
 
-@njit(cache=True)
+@part_of_tick
 def _keep_by_place(s: Record, c: Record, adhesion_mps2: float) -> None:
     """The second axle's adhesion (nan: not to be used) into every bin of the way of this tick."""
     before = int(s.travel_m / _BIN_M)
@@ -101,14 +100,14 @@ def _keep_by_place(s: Record, c: Record, adhesion_mps2: float) -> None:
         s.second_mps2[place % _BINS] = adhesion_mps2
 
 
-@njit(cache=True)
+@part_of_tick
 def _second_axle_at(s: Record, behind_m: float) -> float:
     if s.travel_m <= behind_m:
         return np.nan
     return s.second_mps2[int((s.travel_m - behind_m) / _BIN_M) % _BINS]
 
 
-@njit(cache=True)
+@part_of_tick
 def _choose_levels(s: Record, c: Record) -> bool:
     """Give every place in the train its best level; whether any has changed."""
     changed = False
@@ -131,7 +130,7 @@ def _choose_levels(s: Record, c: Record) -> bool:
     return changed
 
 
-@njit(cache=True)
+@part_of_tick
 def _learn(s: Record, c: Record) -> None:
     """Evaluate a trial of the third axle against the mean of before and after, so that slow drifts cancel."""
     usual = s.level[_THIRD]
@@ -153,7 +152,7 @@ def _learn(s: Record, c: Record) -> None:
         s.scout_in = s.scout_every
 
 
-@njit(cache=True)
+@part_of_tick
 def _next_trial(s: Record, c: Record) -> int:
     """Scouting when its time has come; else in turn, up to one level above the highest in use."""
     usual = s.level[_THIRD]
@@ -173,7 +172,7 @@ def _next_trial(s: Record, c: Record) -> int:
     return int(level)
 
 
-@njit(cache=True)
+@part_of_tick
 def _begin(s: Record, doing: int) -> None:
     s.doing = doing
     s.doing_for = 0
@@ -181,7 +180,7 @@ def _begin(s: Record, doing: int) -> None:
     s.third[doing] = s.fourth[doing] = s.count[doing] = 0.0
 
 
-@njit(cache=True)
+@part_of_tick
 def _measured(s: Record, c: Record, next_axle_m: float, third: float, fourth: float) -> bool:
     """Take the ratios of a tick (nan: they do not count) into the means; whether enough have been taken."""
     doing = s.doing
@@ -199,7 +198,7 @@ def _measured(s: Record, c: Record, next_axle_m: float, third: float, fourth: fl
     return bool(s.count[doing] >= c.measuring)
 
 
-@njit(cache=True)
+@part_of_tick
 def _evaluate(s: Record, c: Record) -> None:
     """A trial has been measured, and what followed: learn, choose, go on."""
     _learn(s, c)
@@ -213,7 +212,7 @@ def _evaluate(s: Record, c: Record) -> None:
     s.third[_BEFORE], s.fourth[_BEFORE], s.count[_BEFORE] = s.third[_AFTER], s.fourth[_AFTER], s.count[_AFTER]
 
 
-@njit(cache=True)
+@part_of_tick
 def _go_round(s: Record, c: Record, next_axle_m: float, third: float, fourth: float) -> None:
     """A tick of the round before - trial - after."""
     s.doing_for += 1
@@ -235,12 +234,12 @@ def _go_round(s: Record, c: Record, next_axle_m: float, third: float, fourth: fl
         s.scout_in = max(s.scout_in, s.trial_interval)
 
 
-@njit(cache=True)
+@part_of_tick
 def _distance_m(c: Record, axle: int, other: int) -> float:
     return abs(c.axle_position_m[axle] - c.axle_position_m[other])
 
 
-@njit(cache=True)
+@part_of_tick
 def search_slips(s: Record, c: Record, at_work: bool, direction: int) -> None:
     """Set every axle's slip set-point (s.slip_set_mps); once a tick, after `observe_adhesion`."""
     step, first = (1, 0) if direction >= 0 else (-1, AXLES - 1)

@@ -9,13 +9,12 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wsp.controllers.axle_release import NO_AXLE, relieve_in_rotation, take_as_certain
 from wsp.controllers.axle_watch import compare_axles, follow_axles, motion_of_rolling_axles
 from wsp.controllers.interface import AXLES
-from wsp.controllers.records import Record, ticks
+from wsp.controllers.records import Record, part_of_tick, ticks
 from wsp.controllers.supervision_parameters import SupervisionParameters
 from wsp.reference_speed import SOURCES, reference_after
 
@@ -82,6 +81,7 @@ def supervision_state(p: SupervisionParameters, period_s: float) -> dict[str, An
         "compared": 0,
         "judged": each_axle,
         "rolls": each_axle,
+        "rolls_from_mps": np.zeros(AXLES),
         "distrusted": each_axle,  # 0 or 1: numba knows no arrays of flags in a record
         # train
         "started": False,
@@ -106,13 +106,13 @@ def supervision_state(p: SupervisionParameters, period_s: float) -> dict[str, An
     }
 
 
-@njit(cache=True)
+@part_of_tick
 def under_control(s: Record, c: Record) -> bool:
     """Whether any axle has been vented lately."""
     return bool(np.min(s.since_vent) < c.quiet)
 
 
-@njit(cache=True)
+@part_of_tick
 def _speed_to_go_by(s: Record, c: Record) -> float:
     """The fastest or the mean of the axles, as the source says; nan if all are blind."""
     fastest = np.nan
@@ -131,7 +131,7 @@ def _speed_to_go_by(s: Record, c: Record) -> float:
     return fastest
 
 
-@njit(cache=True)
+@part_of_tick
 def _follow_train(s: Record, c: Record, outside_mps: float, braking: bool) -> None:
     """Reference speed and deceleration one tick on; an outside speed replaces the axles' and is taken as is."""
     outside = not np.isnan(outside_mps)
@@ -169,7 +169,7 @@ def _follow_train(s: Record, c: Record, outside_mps: float, braking: bool) -> No
         relieve_in_rotation(s, c, at_work and braking and not outside)
 
 
-@njit(cache=True)
+@part_of_tick
 def _settle_contradictions(s: Record, c: Record) -> None:
     """Rolling wheels go at the train's speed, whatever another one says."""
     speed, acceleration = motion_of_rolling_axles(s, c)
@@ -179,7 +179,7 @@ def _settle_contradictions(s: Record, c: Record) -> None:
         take_as_certain(s)
 
 
-@njit(cache=True)
+@part_of_tick
 def observe(
     s: Record,
     c: Record,
@@ -199,7 +199,7 @@ def observe(
     return demand > 0.0 and s.started and s.reference_mps >= c.cut_off_mps
 
 
-@njit(cache=True)
+@part_of_tick
 def known_reference(s: Record) -> float:
     """Reference speed in m/s, nan before the first speed came."""
     return s.reference_mps if s.started else np.nan
