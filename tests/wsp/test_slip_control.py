@@ -52,15 +52,15 @@ class Onlooker:
 def test_nearly_all_of_the_adhesion_is_used(
     name: str, peak: float, coach_brake: BrakeParameters, slide_bench: Callable[..., Any]
 ) -> None:
-    """On rail that grips best at 0.7 % slip; a third of the gap of the rule table's stop and of its air at most."""
+    """On rail that grips best at 0.7 % slip, by tachometers rougher than the preset's; half of rule-table's air."""
     stop = slide_bench(build(name), coach_brake, even(peak), step_s=0.005)
     table = slide_bench(build("rule-table"), coach_brake, even(peak), step_s=0.005)
     print(f"{name} on {peak}: {stop.utilisation:.3f}, {stop.air_nl:.0f} Nl against {table.utilisation:.3f}")
-    assert stop.utilisation > 0.97
+    assert stop.utilisation > 0.96
     assert stop.longest_lock_s == 0.0
     assert stop.reference_rms_mps < 0.25
     assert stop.distance_m < table.distance_m
-    assert stop.air_nl < 0.6 * table.air_nl
+    assert stop.air_nl < 0.5 * table.air_nl
 
 
 BRAKES = {
@@ -141,7 +141,7 @@ def test_sand_is_asked_for_where_the_rail_gives_little(
     assert not any(low.sand[:200])
     assert np.mean(low.sand[800:-400]) > 0.95
     assert not any(low.sand[-50:])  # nearly at rest
-    assert np.mean(fair.sand) < 0.1
+    assert np.mean(fair.sand) < 0.2
     assert not any(low.track_brake)
 
 

@@ -10,6 +10,7 @@ from wsp.axle_speed import compare_wheels, fading_memory_after
 from wsp.controllers.interface import AXLES
 from wsp.controllers.records import Record, part_of_tick
 
+_LARGEST_NOISE_MPS2 = 5.0  # in the acceleration of a wheel that rolls freely
 _LEVEL_SHARE = 0.01  # within this readings count as equal; a frozen one stands out by more
 _LEVEL_MPS = 0.1
 
@@ -97,12 +98,16 @@ def _judge(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArra
 
 @part_of_tick
 def compare_axles(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.bool_]) -> None:
-    """While unbraked: find liars; learn the wheels' ratios, a running mean at first, then one that fades."""
+    """While unbraked: find liars, learn the readings' noise and the wheels' ratios (running means, fading later)."""
     if not s.reference_mps >= c.compare_above_mps or abs(s.deceleration_mps2) > c.compare_below_mps2:
         return
     _judge(s, c, reading_mps, valid)
+    s.compared = min(s.compared + 1, c.compare_memory)
+    for axle in range(AXLES):
+        noise = abs(s.acceleration_mps2[axle] + s.deceleration_mps2)
+        if not np.isnan(s.speed_mps[axle]) and noise < _LARGEST_NOISE_MPS2:
+            s.noise_mps2[axle] += (noise - s.noise_mps2[axle]) / s.compared
     if valid.all():
-        s.compared = min(s.compared + 1, c.compare_memory)
         compare_wheels(s.wheel_ratio, reading_mps, s.distrusted == 0, 1.0 / s.compared, c.largest_wheel_difference)
 
 

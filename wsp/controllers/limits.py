@@ -59,8 +59,14 @@ def partner_of(axle: int) -> int:
 
 @part_of_tick
 def _thinned(s: Record, c: Record, axle: int, code: int, under_control: bool) -> int:
-    """A share of the ticks of filling, evenly spread; all else as it is."""
-    if code != FILL or not under_control:
+    """First venting down to about the share, then that share of the ticks of filling, evenly spread."""
+    if not under_control:
+        s.blind_relief[axle] = c.blind_relief
+        return code
+    if s.blind_relief[axle] > 0:
+        s.blind_relief[axle] -= 1
+        return VENT
+    if code != FILL:
         return code
     s.fill_due[axle] += c.blind_share
     if s.fill_due[axle] < 1.0:
@@ -73,13 +79,14 @@ def _thinned(s: Record, c: Record, axle: int, code: int, under_control: bool) ->
 def command_the_rest(s: Record, c: Record, valve: NDArray[np.int8], at_work: bool) -> None:
     """Fill in the valve codes of the axles that no law commands, those of the others being there.
 
-    A blind axle is vented with the other axle of its bogie, and while that is under control filled for a share of the
-    time only for which that is: venting takes a share of a pressure and filling adds to it, so that over some pulses
-    its pressure becomes that share of the other's. Where its partner is blind as well, or no valve to be worked at all,
-    an axle is left to the driver's brake.
+    A blind axle is vented with the other axle of its bogie, and while that is under control filled for a share of
+    the time only for which that is: venting takes a share of a pressure and filling adds to it, so that its
+    pressure tends to that share of the other's; the first step towards it is taken at once. Where its partner is
+    blind as well, or no valve to be worked at all, an axle is left to the driver's brake.
     """
     for axle in range(AXLES):
         if at_work and sighted(s, axle):
+            s.blind_relief[axle] = c.blind_relief
             continue
         partner = partner_of(axle)
         if at_work and sighted(s, partner):

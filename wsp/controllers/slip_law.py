@@ -119,6 +119,8 @@ def _for_slip(s: Record, c: Record, axle: int) -> int:
     alone = s.since_vent[axle] >= c.quiet
     if alone and slip < c.start_offset_mps + c.start_share * s.reference_mps and ahead > -c.start_fall_mps2:
         return FILL
+    if abs(change) < c.noise_share * s.noise_mps2[axle] / c.mps2_per_bar:
+        return FILL if alone else HOLD
     # what a tick of a command gives, half of it while the valve opens and half while it shuts
     if change < 0.0:
         vented = 2.0 * (held - pressure_after(s, c, axle, VENT))

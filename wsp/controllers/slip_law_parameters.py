@@ -33,6 +33,12 @@ class SlipLawParameters(BaseModel):
         default=1.0, gt=0.0, le=10.0, description="of a tick's filling that must be lacking for another tick of it"
     )
     vent_share: float = Field(default=1.0, gt=0.0, le=10.0, description="the same of venting")
+    noise_share: float = Field(
+        default=3.0,
+        ge=0.0,
+        le=10.0,
+        description="of the noise found in the acceleration while rolling that must be lacking for any pulse",
+    )
     start_offset_mps: float = Field(
         default=0.5,
         ge=0.0,

@@ -41,6 +41,7 @@ def supervision_constants(p: SupervisionParameters, period_s: float) -> dict[str
         "watchdog": ticks(p.watchdog_s, period_s),
         "watchdog_refill": ticks(p.watchdog_refill_s, period_s),
         "blind_share": p.blind_share,
+        "blind_relief": ticks(p.blind_relief_s, period_s),
         "sand_below_mps2": p.sand_below_mps2,
         "track_brake_below_mps2": p.track_brake_below_mps2,
         "request_after": ticks(p.request_after_s, period_s),
@@ -66,7 +67,7 @@ def supervision_state(p: SupervisionParameters, period_s: float) -> dict[str, An
     each_axle = np.zeros(AXLES, np.int64)
     return {
         # axles: filtered speed and acceleration; ticks since the last vent, unfilled, of venting since the last fill,
-        # of forced filling left; filling due to a blind axle
+        # of forced filling left; filling due to a blind axle, ticks of its relief left
         "speed_mps": np.full(AXLES, np.nan),
         "acceleration_mps2": np.zeros(AXLES),
         "since_vent": each_axle + ticks(p.quiet_s, period_s),
@@ -74,10 +75,12 @@ def supervision_state(p: SupervisionParameters, period_s: float) -> dict[str, An
         "vented": each_axle,
         "forced": each_axle,
         "fill_due": np.zeros(AXLES),
+        "blind_relief": each_axle,
         # what is believed of their readings; ticks of rolling with the brake out
         "last_reading_mps": np.full(AXLES, np.nan),
         "same_reading": each_axle,
         "wheel_ratio": np.ones(AXLES),
+        "noise_mps2": np.zeros(AXLES),
         "compared": 0,
         "judged": each_axle,
         "rolls": each_axle,

@@ -55,6 +55,7 @@ class SupervisionParameters(BaseModel):
         description="pressure of an axle without a speed over that of its neighbour under control: what friction keeps "
         "when a wheel locks, so that it does not stay locked",
     )
+    blind_relief_s: Time = Field(default=0.16, description="of venting that bring it there; 3.8 to 1.9 bar (M)")
     sand_below_mps2: Size = Field(
         default=0.5,
         description="deceleration found with an axle under control below which sand is asked for: adhesion of about "
