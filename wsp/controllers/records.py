@@ -5,19 +5,26 @@ once. A controller adds its fields to those of `wsp.controllers.supervision`; co
 writes `s.speed_mps[axle]`.
 """
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-part_of_tick = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
-"""The decorator of what a compiled tick is made of: not to be called from Python, and kept on disk with the tick only,
-which halves the time of compiling."""
-
 Record = Any
 """A record as compiled code sees it; numba knows its fields, mypy does not."""
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def part_of_tick(function: Function) -> Function:
+    """Compile what a tick is made of: not to be called from Python, and kept on disk with the tick alone.
+
+    That halves the time that compiling takes. Division follows IEEE instead of raising.
+    """
+    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return cast(Function, njit(error_model="numpy", **options)(function))
 
 
 def record_of(values: Mapping[str, Any]) -> NDArray[np.void]:
