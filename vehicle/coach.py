@@ -4,8 +4,7 @@ Exudyn holds masses and coordinates and integrates (generalised-alpha); all forc
 `vehicle.forces`. Each step is one linearised solve (no Newton iteration) with the Jacobian refreshed when it has aged.
 The spectral radius is low on purpose: creep is stiff, and at 0.9 the algorithmic accelerations of the spins ring for
 dozens of steps and a stale Jacobian makes false creep forces and chatter at standstill; at 0.1 they are gone after two
-steps, while body and bogie modes, slow against the step, stay undamped. A wheel that regains grip below about 2 m/s may
-shoot over for a step of 5 ms.
+steps, while body and bogie modes, slow against the step, stay undamped.
 
 The callback has a period of its own, a whole multiple of the step. At each of its instants t_k the state of t_k is
 handed to `on_step`; what that returns acts from t_k until the next instant. So the actuation answers a state with no

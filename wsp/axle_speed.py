@@ -22,20 +22,30 @@ def fading_memory_after(
 
 @njit(cache=True)
 def compare_wheels(
-    ratio: NDArray[np.float64], axle_speed_mps: NDArray[np.float64], share: float, largest_difference: float
+    ratio: NDArray[np.float64],
+    axle_speed_mps: NDArray[np.float64],
+    counted: NDArray[np.bool_],
+    share: float,
+    largest_difference: float,
 ) -> None:
-    """Move each wheel's ratio (n,), its indicated speed over the mean of all, towards what is seen now by `share`.
+    """Move the ratio (n,) of each wheel that is counted (n,), its indicated speed over the mean, towards what is seen.
 
-    To be called while all wheels roll freely: then unequal speeds mean unequal diameters, not slip. The ratios stay
-    within 1 +- largest_difference. Axle speeds (n,) in m/s; nothing is learnt from speeds that differ by more than
-    worn wheels do (a wheel that stands, turns backwards or is not read).
+    By `share` of the way. To be called while all wheels roll freely: then unequal speeds mean unequal diameters, not
+    slip. The ratios stay within 1 +- largest_difference. Axle speeds (n,) in m/s; nothing is learnt from speeds that
+    differ by more than worn wheels do (a wheel that stands, turns backwards or is not read).
     """
-    mean = np.mean(axle_speed_mps)
+    total = 0.0
+    count = 0
+    for axle in range(ratio.shape[0]):
+        if counted[axle]:
+            total += axle_speed_mps[axle]
+            count += 1
+    mean = total / count if count else 0.0
     for axle in range(ratio.shape[0]):
         # written so that nan, and a mean of zero, fail it
-        if not abs(axle_speed_mps[axle] - mean) <= largest_difference * abs(mean) or mean == 0.0:
+        if counted[axle] and (not abs(axle_speed_mps[axle] - mean) <= largest_difference * abs(mean) or mean == 0.0):
             return
     for axle in range(ratio.shape[0]):
-        seen = axle_speed_mps[axle] / mean
-        ratio[axle] += share * (seen - ratio[axle])
-        ratio[axle] = min(max(ratio[axle], 1.0 - largest_difference), 1.0 + largest_difference)
+        if counted[axle]:
+            ratio[axle] += share * (axle_speed_mps[axle] / mean - ratio[axle])
+            ratio[axle] = min(max(ratio[axle], 1.0 - largest_difference), 1.0 + largest_difference)

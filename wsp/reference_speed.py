@@ -1,4 +1,4 @@
-"""Reference speed of the WSP: the fastest axle, with a limited fall.
+"""Reference speed of the WSP: the fastest axle or the mean of them, with a limited fall.
 
 While braking no wheel runs faster than the train, so the fastest one is the best guess; but when all slide it falls
 with them. The estimate is a speed and a deceleration, carried on from tick to tick:
@@ -13,18 +13,33 @@ one that grips puts it right. A fixed fall limit of 1.5..2 m/s2 alone does not d
 0.5 m/s2 and four wheels sliding together at 1.5 m/s2 would take the reference down with them. Hence two sets of
 limits: wide ones while no axle is being controlled (a full service application is 0.25 m/s3), narrow ones while the
 WSP is at work.
+
+Even so, four wheels that slide away together slowly (rail below 0.03, part of the brake demanded) take it along for as
+long as none of them grips. `axle-release` therefore counts the time in which no axle has come up to the prediction;
+when it is over, one axle, the next in rotation, is relieved until it rolls evenly. Its speed is the train's; the
+deceleration is then the one that leads from the last speed known for certain to this one.
 """
+
+from typing import Literal
 
 import numpy as np
 from numba import njit
 from pydantic import BaseModel, ConfigDict, Field
 
+SOURCES = ("mean-of-axles", "fastest-axle", "axle-release")
+
 
 class ReferenceSpeedParameters(BaseModel):
-    """Limits of the reference speed. The narrow ones were chosen on the rails of the tests, 0.02..0.08."""
+    """Source and limits. The narrow limits and the release were chosen on the rails of the tests, 0.02..0.08.
+
+    An outside speed, where the controller is given one, replaces that of any source.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
+    source: Literal["mean-of-axles", "fastest-axle", "axle-release"] = Field(
+        default="axle-release", description="axle-release: the fastest axle, and one axle relieved when all slide"
+    )
     fall_limit_mps2: float = Field(
         default=1.8,
         gt=0.0,
@@ -48,6 +63,25 @@ class ReferenceSpeedParameters(BaseModel):
         gt=0.0,
         le=50.0,
         description="a gripping wheel spins up at 5..10 m/s2; a faulty pulse jumps further",
+    )
+    release_after_s: float = Field(
+        default=4.0, gt=0.0, le=60.0, description="at the latest, with no axle up to the prediction; M: 1..3 s"
+    )
+    release_error_mps: float = Field(
+        default=0.2,
+        gt=0.0,
+        le=5.0,
+        description="or when the speed may have gone wrong by this, as the last relief found the deceleration wrong",
+    )
+    release_longest_s: float = Field(default=4.0, gt=0.0, le=5.0, description="an axle is relieved no longer than this")
+    rolling_s: float = Field(
+        default=0.15, gt=0.0, le=5.0, description="memory of a relieved axle's mean acceleration, ..."
+    )
+    rolling_mps2: float = Field(
+        default=0.5,
+        gt=0.0,
+        le=5.0,
+        description="... and it rolls evenly when that has been within this of the train's for as long",
     )
 
 

@@ -16,8 +16,8 @@ class ControllerOutput:
 
     And the reference speed, m/s >= 0 (nan: has none).
 
-    Sand and track brake are wishes: a coach that carries neither (none does yet) does not answer them.
-    A controller may reuse one output: copy what is to outlive the next step.
+    Sand, for the sanders of each wheelset, and the track brake are wishes: a coach that carries none of either does
+    not answer them. A controller may reuse one output: copy what is to outlive the next step.
     """
 
     __slots__ = ("reference_speed_mps", "sand", "track_brake", "valve")

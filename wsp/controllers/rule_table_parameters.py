@@ -3,9 +3,9 @@
 from itertools import pairwise
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-from wsp.reference_speed import ReferenceSpeedParameters
+from wsp.controllers.supervision_parameters import Size, SupervisionParameters, Time
 
 ACTIONS = "FfHvV"
 """Fill, fill in pulses, hold, vent in pulses, vent."""
@@ -13,11 +13,9 @@ ACTIONS = "FfHvV"
 ROWS, COLUMNS = 4, 5
 
 Row = Annotated[str, Field(pattern=f"^[{ACTIONS}]{{{COLUMNS}}}$")]
-Size = Annotated[float, Field(ge=0.0, le=100.0)]
-Time = Annotated[float, Field(ge=0.01, le=60.0)]
 
 
-class RuleTableParameters(BaseModel):
+class RuleTableParameters(SupervisionParameters):
     """Bands, table, pulses and limits. Times count in whole ticks of 10 ms.
 
     Figures marked M are those of controllers in use, known at second hand. The others were searched on eight kinds of
@@ -25,8 +23,6 @@ class RuleTableParameters(BaseModel):
     `low`): there the best slip is below 1 % and 10 % already costs a quarter, so the bands are far narrower than the
     10..15 % (M) of rails with a flat curve.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     slip_offset_mps: tuple[Size, Size, Size] = Field(
         default=(0.15, 0.5, 0.75), description="upper borders of the first three slip bands, together with slip_share"
@@ -58,25 +54,9 @@ class RuleTableParameters(BaseModel):
     )
     vent_pulse_s: Time = 0.02
     vent_cycle_s: Time = 0.08
-    quiet_s: Time = Field(
-        default=2.0, description="without venting for so long an axle is not under control: it fills freely"
+    relief_vent_s: Time = Field(
+        default=0.06, description="venting of the axle that is relieved to show the train's speed, a quarter at 2 bar"
     )
-    filter_time_s: Time = Field(
-        default=0.03,
-        description="memory of the speed filter: 0.1 % noise at 120 km/h leaves 0.4 m/s2 in the acceleration",
-    )
-    compare_above_mps: Size = Field(
-        default=5.0, description="wheel diameters are compared when unbraked above this speed"
-    )
-    compare_below_mps2: Size = Field(default=0.3, description="and while the train's acceleration is smaller than this")
-    compare_memory_s: Time = 5.0
-    largest_wheel_difference: float = Field(
-        default=0.04, ge=0.0, le=0.2, description="new to worn: 920 to 850 mm, +-4 %"
-    )
-    cut_off_mps: Size = Field(default=1.4, description="brakes fill freely below; M: 3..5 km/h")
-    watchdog_s: Time = Field(default=10.0, description="longest time from a first vent without filling; M: 7..10 s")
-    watchdog_refill_s: Time = Field(default=1.0, description="filling that follows, whatever the wheel does; assumed")
-    reference: ReferenceSpeedParameters = ReferenceSpeedParameters()
 
     @model_validator(mode="after")
     def _borders_rise(self) -> Self:

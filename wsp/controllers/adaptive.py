@@ -1,0 +1,58 @@
+"""`adaptive`: the slip law of `slip-tracking`, its set-points searched for while braking."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from wsp.controllers.compiled import CompiledController
+from wsp.controllers.requests import request
+from wsp.controllers.slip_law import command_slips, observe_adhesion, slip_law_constants, slip_law_state
+from wsp.controllers.slip_law_parameters import SlipLawControllerParameters
+from wsp.controllers.slip_search import search_slips, slip_search_constants, slip_search_state
+from wsp.controllers.slip_search_parameters import SlipSearchParameters
+from wsp.controllers.supervision import known_reference
+
+
+class AdaptiveParameters(SlipLawControllerParameters):
+    """Slip law and search."""
+
+    search: SlipSearchParameters = SlipSearchParameters()
+
+
+@njit(cache=True)
+def _tick(
+    state: NDArray[np.void],
+    constants: NDArray[np.void],
+    valve: NDArray[np.int8],
+    sand: NDArray[np.bool_],
+    axle_speed_mps: NDArray[np.float64],
+    valid: NDArray[np.bool_],
+    demand: float,
+    direction: int,
+    outside_mps: float,
+) -> tuple[float, bool]:
+    """One tick, see wsp.controllers.compiled."""
+    s, c = state[0], constants[0]
+    at_work = observe_adhesion(s, c, axle_speed_mps, valid, demand, direction, outside_mps)
+    search_slips(s, c, at_work, direction)
+    command_slips(s, c, valve, at_work)
+    return known_reference(s), request(s, c, sand, at_work)
+
+
+class Adaptive(CompiledController):
+    """Seeks the slip that brakes best for each axle while it brakes, leading axles cleaning the rail if that pays.
+
+    Needs no pressure sensor. With an axle whose speed is not known all others stay at the lowest slip level, and it
+    gets what the other one of its bogie gets.
+    """
+
+    Parameters = AdaptiveParameters
+    _tick = staticmethod(_tick)
+
+    def _own_constants(self, p: AdaptiveParameters) -> dict[str, Any]:
+        return {**slip_search_constants(p.search, self.period_s), **slip_law_constants(p, self.period_s)}
+
+    def _own_state(self) -> dict[str, Any]:
+        return {**slip_search_state(self.parameters.search, self.period_s), **slip_law_state()}

@@ -1,0 +1,47 @@
+"""Named numbers for compiled code: a controller's constants and its state are one record of numpy each.
+
+An array argument costs a compiled function some 0.1 us and every number of its own as much again; a record costs that
+once. A controller adds its fields to those of `wsp.controllers.supervision`; compiled code reads `c.cut_off_mps` and
+writes `s.speed_mps[axle]`.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Record = Any
+"""A record as compiled code sees it; numba knows its fields, mypy does not."""
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def part_of_tick(function: Function) -> Function:
+    """Compile what a tick is made of: not to be called from Python, and kept on disk with the tick alone.
+
+    That halves the time that compiling takes. Division follows IEEE instead of raising.
+    """
+    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return cast(Function, njit(error_model="numpy", **options)(function))
+
+
+def record_of(values: Mapping[str, Any]) -> NDArray[np.void]:
+    """(1,) structured array of these numbers, flags and arrays, in their order; a float stays a float, an int an int.
+
+    Raises ValueError if there are none.
+    """
+    arrays = {name: np.asarray(value) for name, value in values.items()}
+    if not arrays:
+        raise ValueError("a record needs at least one value")
+    fields = [(name, array.dtype, array.shape) for name, array in arrays.items()]
+    record = np.zeros(1, dtype=np.dtype(fields, align=True))
+    for name, array in arrays.items():
+        record[name][0] = array
+    return record
+
+
+def ticks(time_s: float, period_s: float) -> int:
+    """Whole ticks of a time, at least one."""
+    return max(1, round(time_s / period_s))
