@@ -7,10 +7,15 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from hypothesis import settings
 
 from scenarios.compile_cache import use_compile_cache
 
 use_compile_cache()
+
+# how long an example takes is the machine's affair
+settings.register_profile("railslide", deadline=None)
+settings.load_profile("railslide")
 
 EXAMPLES = Path(__file__).parents[1] / "docs" / "controllers"
 MISBEHAVING = Path(__file__).parent / "wsp" / "misbehaving_controller.c"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scenarios.cosimulation import simulate
+from scenarios.cosimulation.simulation import simulate
 from scenarios.metrics import stop_metrics
 from scenarios.scenario_file import load_scenario
 from scenarios.truth import Truth
