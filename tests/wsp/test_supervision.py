@@ -118,3 +118,27 @@ def test_wheels_left_out_do_not_count_in_the_comparison() -> None:
     assert ratio == pytest.approx([1.01, 0.99, 1.0, 1.0])
     compare_wheels(ratio, speeds, ALL_VALID, 1.0, 0.04)  # one differs by more than wear: nothing is learnt
     assert ratio == pytest.approx([1.01, 0.99, 1.0, 1.0])
+
+
+@pytest.mark.parametrize("name", WORKING)
+@pytest.mark.parametrize(("source", "expected"), [("mean-of-axles", 19.5), ("fastest-axle", 20.0)])
+def test_the_reference_goes_by_what_its_source_says(name: str, source: str, expected: float) -> None:
+    """Unbraked and new to it all, three axles at 20 m/s and one that drags at 18."""
+    bench = Bench(name, reference={"source": source})
+    speeds = np.array([20.0, 18.0, 20.0, 20.0])
+    assert bench.step(speeds).reference_speed_mps == pytest.approx(expected)
+
+
+def test_only_axle_release_relieves_an_axle() -> None:
+    """All axles slide alike, 5 % below where they should be: one after the other is vented to see, or none is."""
+    vents = {}
+    for source in ("fastest-axle", "axle-release"):
+        bench = Bench("rule-table", reference={"source": source})
+        bench.roll([20.0] * 4, 1.0)
+        for k in range(1500):  # the first slides away for good, the others a little, and evenly
+            speed = 20.0 - 0.001 * min(k, 400) - 0.003 * k
+            speeds = np.array([speed - min(0.06 * k, 6.0), speed, speed, speed])
+            bench.step(speeds + 0.003 * bench.noise.standard_normal(4))
+        vents[source] = (np.array(bench.valves)[:, 1:] == VENT).any(axis=0)
+    assert not vents["fastest-axle"].any()
+    assert vents["axle-release"].any()
