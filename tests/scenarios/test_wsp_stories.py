@@ -45,7 +45,7 @@ def test_without_release_all_axles_lock_unseen() -> None:
 
 
 def test_releases_correct_the_reference() -> None:
-    truth = run("axle-release", "simulation.longest_s=60")
+    truth = run("axle-release", "simulation.longest_s=70")
     brake, t_s = truth.brake, truth.motion.t_s
     error = brake.reference_speed_mps - truth.motion.speed_mps
     empty = (brake.cylinder_pressure_bar < 0.02) & (brake.valve > 0) & (t_s > 13.0)[:, None]
