@@ -27,6 +27,8 @@ class FaultsAtWork:
         self._brake = brake
         self._tachometers = tachometers
         self._dead = 0
+        self.controller_dead = False
+        """Whether the controller has stopped to answer."""
         events: list[tuple[float, Callable[[], None]]] = []
         for entry in entries:
             comes, goes = self._switch(entry)
@@ -37,11 +39,6 @@ class FaultsAtWork:
         self._events = sorted(events, key=lambda event: event[0])
         self.next_s = self._events[0][0] if self._events else float("inf")
 
-    @property
-    def controller_dead(self) -> bool:
-        """Whether the controller has stopped to answer."""
-        return self._dead > 0
-
     def step(self, t_s: float) -> None:
         """Put in and take out what is due at `t_s`; to be called when `next_s` is reached."""
         while self._events and self._events[0][0] <= t_s + _ROUNDING_S:
@@ -51,6 +48,7 @@ class FaultsAtWork:
 
     def _kill(self, count: int) -> None:
         self._dead += count
+        self.controller_dead = self._dead > 0
 
     def _switch(self, entry: FaultEntry) -> tuple[Callable[[], None], Callable[[], None]]:
         """What brings a fault and what takes it away."""

@@ -85,6 +85,7 @@ class Loop:
         self._first_m, self._last_m = line.places_m
         self._sanders = Sanders(scenario.sanding, TICK_S)
         self._sands = bool(scenario.sanding.sanders)
+        self._sands_or_magnets = self._sands or scenario.brake.track_brake is not None
         self._actuation = Actuation(self._sanders.rows)
         self._rail_before = line.state.table.copy()
         self._output = ControllerOutput()
@@ -108,6 +109,7 @@ class Loop:
         self._address = address_of(self.record)
         self._answer, self._valid = numbers["answer"], numbers["valid"].view(np.bool_)
         self._sand = numbers["sand"].view(np.bool_)
+        self._reference_mps = self.record["reference_speed_mps"]
         self._axle_speed = self.tachometers.axle_speed_mps
 
     def close(self) -> None:
@@ -185,11 +187,11 @@ class Loop:
     def _look_around(self, t_s: float) -> None:
         """A tick of the driver: what he answered at the last one comes into force, then he answers anew."""
         numbers, driver = self._numbers, self._driver
-        position_m, speed_mps = numbers["position_m"], numbers["speed_mps"]
+        position_m, speed_mps = numbers["position_m"].item(), numbers["speed_mps"].item()
         if self._ticks % _PROGRESS_TICKS == 1:
             if self._stop_requested():
                 raise RunInterrupted
-            self._on_progress(t_s, float(position_m), float(speed_mps))
+            self._on_progress(t_s, position_m, speed_mps)
         # the track goes on beyond its ends for farther than a coach gets between two looks
         if not self._first_m <= position_m <= self._last_m:
             self.off_the_line = True
@@ -197,8 +199,8 @@ class Loop:
         self._driver_sands, self._driver_brakes_track = driver.sand, driver.track_brake
         driver.step(position_m, speed_mps)
         # at rest under brakes, having moved, for long enough to end the run
-        still = numbers["moved"] and numbers["still_ticks"] * TICK_S >= STANDSTILL_LASTS_S
-        self.stopped = bool(still and self._demand > 0.0 and self._outside is None)
+        if numbers["still_ticks"].item() * TICK_S >= STANDSTILL_LASTS_S and numbers["moved"]:
+            self.stopped = self._demand > 0.0 and self._outside is None
 
     def _drive(self, traction_n: float, demand: float) -> None:
         self._numbers["demand"] = self._demand = demand
@@ -207,13 +209,14 @@ class Loop:
 
     def _control(self, t_s: float, controller: Controller) -> None:
         """What the controller answered at its last tick is in force by now; it answers anew."""
-        self._sand_and_track_brake(self._output)
+        if self._sands_or_magnets:
+            self._sand_and_track_brake(self._output)
         if self._faults.controller_dead:
             return
         reference_mps = math.nan if self._reference is None else self._reference.at(t_s)
         self._output = output = controller.step(t_s, self._axle_speed, self._valid, self._demand, 1, reference_mps)
         self._answer[:] = output.valve
-        self._numbers["reference_speed_mps"] = output.reference_speed_mps
+        self._reference_mps[0] = output.reference_speed_mps
 
     def _estimate(self, tick_s: float, reference: EstimatedReference) -> None:
         """The estimator of the reference takes what was recorded up to the last tick."""
