@@ -37,6 +37,7 @@ def supervision_constants(p: SupervisionParameters, period_s: float) -> dict[str
         "distrust_after": ticks(p.distrust_after_s, period_s),
         "empty_after": ticks(p.empty_after_s, period_s),
         "cut_off_mps": p.cut_off_mps,
+        "releases_for": ticks(p.releases_for_s, period_s),
         "quiet": ticks(p.quiet_s, period_s),
         "watchdog": ticks(p.watchdog_s, period_s),
         "watchdog_refill": ticks(p.watchdog_refill_s, period_s),
@@ -87,6 +88,7 @@ def supervision_state(p: SupervisionParameters, period_s: float) -> dict[str, An
         "rolls_from_mps": np.zeros(AXLES),
         "distrusted": each_axle,  # 0 or 1: numba knows no arrays of flags in a record
         # train
+        "unasked": ticks(p.releases_for_s, period_s),  # ticks without demand
         "started": False,
         "reference_mps": 0.0,
         "deceleration_mps2": 0.0,
@@ -192,14 +194,19 @@ def observe(
     direction: int,
     outside_mps: float,
 ) -> bool:
-    """Axles and train one tick on; whether valves may be worked at all (not unbraked, below the cut-off or blind)."""
-    if demand <= 0.0:
+    """Axles and train one tick on; whether valves may be worked at all (not unbraked, below the cut-off or blind).
+
+    The brakes are taken to be on for as long as they need to release after the demand has gone.
+    """
+    s.unasked = 0 if demand > 0.0 else min(s.unasked + 1, c.releases_for)
+    braked = s.unasked < c.releases_for
+    if not braked:
         compare_axles(s, c, axle_speed_mps, valid)
     follow_axles(s, c, axle_speed_mps, valid, direction)
-    _follow_train(s, c, outside_mps, demand > 0.0)
+    _follow_train(s, c, outside_mps, braked)
     if s.started and np.isnan(outside_mps):
         _settle_contradictions(s, c)
-    return demand > 0.0 and s.started and s.reference_mps >= c.cut_off_mps
+    return braked and s.started and s.reference_mps >= c.cut_off_mps
 
 
 @part_of_tick

@@ -39,6 +39,9 @@ class SupervisionParameters(BaseModel):
         default=0.5, description="of venting without filling, after which a brake is out; 0.4 from 3.8 bar (M)"
     )
     cut_off_mps: Size = Field(default=1.4, description="brakes fill freely below; M: 3..5 km/h")
+    releases_for_s: Time = Field(
+        default=20.0, description="after the demand has gone, brakes may still be on: 15..20 s from 3.8 to 0.4 bar"
+    )
     quiet_s: Time = Field(
         default=2.0, description="without venting for so long an axle is not under control: it fills freely"
     )
