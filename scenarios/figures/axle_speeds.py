@@ -68,8 +68,9 @@ def _cylinder_pressures(pressures: Axes, brake: BrakeStream) -> None:
         plot(pressures, brake.t_s, pressure_bar, color=colour, linewidth=0.9, label=f"axle {i + 1}")
     plot(pressures, brake.t_s, brake.distributor_pressure_bar, "--", color="grey", label="distributor")
     pressures.set_ylabel("cylinder pressure  bar")
-    pressures.set_ylim(bottom=-0.1)
-    legend(pressures, columns=5, place="lower center")
+    # released cylinders are as much to be seen as full ones: the legend has room of its own above
+    pressures.set_ylim(-0.1, 1.3 * max(0.1, float(brake.cylinder_pressure_bar.max())))
+    legend(pressures, columns=5, place="upper center")
 
 
 def _shade_locks(axes: Axes, truth: Truth) -> None:
