@@ -187,7 +187,9 @@ def verify(
 
 @app.command(name="wsp-test")
 def wsp_test(
-    controller: Annotated[str, typer.Argument(help="Name of a controller, or path/to/file.py:Name.")],
+    controller: Annotated[
+        str, typer.Argument(help="Name of a controller, path/to/file.py:Name, a C library or an FMU.")
+    ],
     settings: Annotated[
         list[str] | None,
         typer.Option(

@@ -28,6 +28,7 @@ def change_paths(tree: Tree, change: Change) -> None:
         _change(table_of(tree, section), "preset", change, _is_toml)
     wsp = table_of(tree, "wsp")
     _change(wsp, "controller", change, _is_controller_file)
+    _change(wsp, "reference_estimator", change, _is_python)
     _change(table_of(wsp, "parameters"), "file", change)
     _change(table_of(tree, "creep_law"), "name", change, _is_python)
     profiles = table_of(table_of(table_of(tree, "coach"), "contact"), "profiles")

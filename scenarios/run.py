@@ -163,6 +163,8 @@ def _failed(folder: RunFolder, provenance: dict[str, Any], error: Exception) -> 
     """Keep what there is, the truth up to a failed solve included; a full disk may leave even less."""
     if isinstance(error, SolveFailed):
         reason = story = str(error)
+        if error.__cause__ is not None and error.__cause__.__cause__ is not None:  # a controller's own error
+            story = "".join(traceback.format_exception(error.__cause__.__cause__))
     else:
         reason = f"{type(error).__name__}: {error}"
         story = "".join(traceback.format_exception(error))

@@ -20,7 +20,8 @@ _STEP_S = 0.01
 def shortest_stop(scenario: Scenario, truth: Truth, begin: int | None = None) -> float | None:
     """Distance in m from the brake demand to standstill of a point mass with the same demand build-up, resistance and
     gradient, braked by the smaller of the brake's force and peak adhesion x static load, summed over the wheels, on the
-    rail as it was found, before any wheel of this coach ran over it. None for a run without a stop.
+    rail as it was found, before any wheel of this coach ran over it; and by the magnetic track brakes as they were
+    switched. None for a run without a stop.
 
     `begin`: row of the motion to count from in place of the brake demand, such as the end of a drag brake. What the
     brake did before, it has done: it is as full then as the demands so far have made it.
@@ -39,12 +40,14 @@ def shortest_stop(scenario: Scenario, truth: Truth, begin: int | None = None) ->
     before_s = motion.t_s[start] - motion.t_s[0]
     times = np.arange(0.0, before_s + 3.0 * (motion.t_s[end] - motion.t_s[start]) + 60.0, _STEP_S)
     demand = np.interp(motion.t_s[0] + times, truth.brake.t_s[: end + 1], truth.brake.demand[: end + 1])
+    magnets = np.interp(motion.t_s[0] + times, truth.brake.t_s[: end + 1], truth.brake.track_brake_command[: end + 1])
     radius_m = 0.5 * coach.wheelset.wheel_diameter_m
     offsets = truth.wheelsets.position_m[start] - motion.position_m[start]
     distance = _point_mass_stop(
         float(motion.position_m[start]),
         float(motion.speed_mps[start]),
         demand,
+        magnets,
         np.interp(motion.t_s[0] + times[: round(before_s / _STEP_S)], motion.t_s, motion.speed_mps),
         brake.record,
         np.full(4, FILL, np.int8),
@@ -66,8 +69,8 @@ def shortest_stop(scenario: Scenario, truth: Truth, begin: int | None = None) ->
 
 @compiled
 def _point_mass_stop(
-    position_m: float, speed_mps: float, demand: Array, before_mps: Array, brake: Record, no_wsp: np.ndarray,
-    radius_m: float, offsets_m: Array, mass_kg: float, effective_mass_kg: float, resistance: Vector,
+    position_m: float, speed_mps: float, demand: Array, magnets: Array, before_mps: Array, brake: Record,
+    no_wsp: np.ndarray, radius_m: float, offsets_m: Array, mass_kg: float, effective_mass_kg: float, resistance: Vector,
     gradient_permille: Array, rail: RailTables, law: tuple[int, int], extra: Array, patch: Vector, load_n: float,
     shear_modulus_pa: float,
 ) -> float:  # fmt: skip
@@ -79,10 +82,12 @@ def _point_mass_stop(
     rate_radps = np.empty(4)
     start = position_m
     for k in range(before_mps.shape[0]):
+        brake[0].track_brake_on = magnets[k] > 0.5
         rate_radps[:] = before_mps[k] / radius_m
         advance_brake(brake[0], demand[k], no_wsp, rate_radps, before_mps[k])
     for k in range(before_mps.shape[0], demand.shape[0]):
         rate_radps[:] = speed_mps / radius_m
+        brake[0].track_brake_on = magnets[k] > 0.5
         advance_brake(brake[0], demand[k], no_wsp, rate_radps, speed_mps)
         force_n = (np.sum(brake[0].torque_nm) + np.sum(brake[0].dynamic_torque_nm)) / radius_m
         limit = 0.0
@@ -94,6 +99,7 @@ def _point_mass_stop(
                 )
                 limit += peak * load_n
         drag = resistance[0] + speed_mps * (resistance[1] + speed_mps * resistance[2])
+        drag += np.sum(brake[0].track_brake_force_n)  # not through the wheels
         place = min(max(int(position_m), 0), gradient_permille.shape[0] - 1)
         slope = mass_kg * GRAVITY_MPS2 * gradient_permille[place] / 1000.0
         # what the discs take out of the wheels' rotation does not pass through the rail

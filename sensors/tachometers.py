@@ -114,9 +114,11 @@ class Tachometers:
         self.state[pulse_edges.FAULT, axle] = pulse_edges.FROZEN
 
     def restore(self, axle: int) -> None:
-        """Axle 0..3 counts again, from its next edge on; valid from the one after."""
-        self.state[pulse_edges.FAULT, axle] = pulse_edges.SOUND
-        self.state[[pulse_edges.DIRECTION, pulse_edges.COUNT, pulse_edges.VALID], axle] = 0.0
+        """Axle 0..3 counts again, from its next edge on; valid from the one after, or after the time-out."""
+        p, state = pulse_edges, self.state
+        state[p.FAULT, axle] = p.SOUND
+        state[[p.DIRECTION, p.COUNT, p.SPEED, p.VALID], axle] = 0.0
+        state[[p.LAST_TIME, p.REFERENCE_TIME], axle] = state[p.TICK_TIME, axle]
 
     def believe(self, axle: int, *, teeth: int | None = None, radius_m: float | None = None) -> None:
         """The front end of axle 0..3 counts on so many teeth and this wheel radius; None for what it was given."""
@@ -133,7 +135,8 @@ class Tachometers:
 def axle_speeds(
     readings: TachometerReadings, parameters: TachometerParameters, tick_s: FloatArray
 ) -> AxleSpeedReadings:
-    """Speeds from recorded edges at the given ticks: at the ticks of the run, the same numbers as in the loop."""
+    """Speeds from recorded edges at the given ticks: at the ticks of a run without faults of tachometers, the same
+    numbers as in the loop."""
     speed, valid = pulse_edges.speeds_of_edges(
         np.array(tick_s, dtype=float),
         readings.t_s,

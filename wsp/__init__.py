@@ -18,9 +18,9 @@ Conventions of the package:
   is slower.
 - Demand 0..1 of full service. Valve codes FILL, HOLD, VENT = 0, 1, 2 (`wsp.valves`).
 - Time: `Brake.step` covers one step from t to t + step_s; a command handed to it acts from t + dead time on, to
-  the sample; wheel and train speeds handed to it are those of t. A controller works at its own period of
-  10 ms and adds no delay to its link: the answer to what it read at one tick is applied by the co-simulation from the
-  next tick on.
+  the sample; wheel and train speeds handed to it are those of t. A controller works at its own period, a whole
+  multiple of 10 ms, and adds no delay to its link: the answer to what it read at one tick is applied by the
+  co-simulation from the next tick on.
 - No randomness here.
 
 Brakes come by `BRAKE_PRESETS` (name -> TOML file of `BrakeParameters`), controllers by `CONTROLLERS` (name -> class

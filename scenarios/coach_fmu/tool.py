@@ -123,8 +123,8 @@ class Tool:
                 return f"valve_command[{axle}] = {code:g}: must be 0 (fill), 1 (hold) or 2 (vent)"
         if not 0.0 <= demand <= 1.0:
             return f"demand = {demand:g}: must be 0 to 1"
-        if not abs(traction_n) < np.inf:
-            return f"traction_n = {traction_n:g}: must be a finite force"
+        if not 0.0 <= traction_n < np.inf:
+            return f"traction_n = {traction_n:g}: must be a finite force, forwards"
         output = self._output
         output.valve[:] = valves
         output.sand[:] = values[_SAND]

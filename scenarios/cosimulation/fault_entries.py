@@ -1,6 +1,6 @@
 """[[faults]] of a scenario: what breaks, where and when."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -39,7 +39,7 @@ class TachometerLost(_Entry):
 
 
 class TachometerFrozen(_Entry):
-    """The front end repeats its last speed and calls it valid."""
+    """The front end repeats its last speed, as valid as it was."""
 
     kind: Literal["tachometer-frozen"]
     axle: Axle
@@ -77,7 +77,8 @@ class LowReservoir(_Entry):
 
 
 class ControllerDead(_Entry):
-    """The controller no longer answers: its last commands stand until the safety timer of the valves acts."""
+    """The controller no longer answers: its last commands stand until the safety timer of the valves acts. It begins
+    anew when the fault is gone."""
 
     kind: Literal["controller-dead"]
 
@@ -102,14 +103,6 @@ FaultEntry = (
 )
 
 FAULT_KINDS: dict[str, type[FaultEntry]] = {
-    "valve-stuck": ValveStuck,
-    "tachometer-lost": TachometerLost,
-    "tachometer-frozen": TachometerFrozen,
-    "tooth-count": ToothCount,
-    "wheel-diameter": WheelDiameter,
-    "pipe-leak": PipeLeak,
-    "low-reservoir": LowReservoir,
-    "controller-dead": ControllerDead,
-    "brake-cut-out": BrakeCutOut,
+    get_args(model.model_fields["kind"].annotation)[0]: model for model in get_args(FaultEntry)
 }
 """Kind of a fault, as a scenario names it -> its entry."""

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from scenarios.cosimulation.core import LOOKED, LOOP, act, look
+from scenarios.cosimulation.core import LOOKED, LOOP, NO_ROOM, act, look
 from scenarios.cosimulation.driver import Driver
 from scenarios.cosimulation.faults_at_work import FaultsAtWork
 from scenarios.cosimulation.line import Line
@@ -22,6 +22,7 @@ from vehicle import Actuation, CoachState, SolveReport
 from wheel_rail.compiled import address_of
 from wheel_rail.sanding import Sanders
 from wsp import Brake, Controller, ControllerOutput
+from wsp.foreign.errors import ControllerFailed
 
 # number of the random stream that hangs on the world seed
 TACHOMETER_STREAM = 101
@@ -90,7 +91,7 @@ class Loop:
         self._rail_before = line.state.table.copy()
         self._output = ControllerOutput()
         self._demand = self._traction_n = 0.0
-        self._drives = False
+        self._drives = self._dead = False
         self._driver_sands = self._driver_brakes_track = self._magnets = False
         self._periods = 0
         self._ticks = 0
@@ -132,7 +133,11 @@ class Loop:
         if periods % self._periods_per_tick == 0 and not self._tick(t_s):
             return None
         if not act(self._address, t_s, periods % self._periods_per_record == 0):
-            raise ValueError(f"demand = {self._demand}, valve = {self._numbers['command']}: out of range")
+            command = self._numbers["command"].tolist()
+            raise ControllerFailed(
+                f"at t = {t_s:.2f} s: valve = {command}, each must be 0 (fill), 1 (hold) or 2 (vent); "
+                f"demand = {self._demand}, it must be 0 to 1"
+            )
         self._periods = periods + 1
         return self._actuation
 
@@ -143,8 +148,11 @@ class Loop:
             self._faults.step(t_s)
         controlling = ticks % self._ticks_per_control == 0
         looked = look(self._address, t_s, controlling)
+        if looked == NO_ROOM:
+            self._make_room()
+            looked = look(self._address, t_s, controlling)
         if looked != LOOKED:
-            self._look_again(t_s, controlling)
+            raise ValueError(f"t_s = {t_s}: the angle of a wheel has jumped by thousands of pulses")
         self._ticks = ticks + 1
         if ticks % _TICKS_PER_DRIVER == 0:
             self._look_around(t_s)
@@ -153,23 +161,20 @@ class Loop:
         if self._controller is None:
             if not self._ask_outside(t_s):
                 return False
-        elif controlling:
+        else:
             if self._reference is not None and ticks > 0 and self._reference.due(t_s - TICK_S):
                 self._estimate(t_s - TICK_S, self._reference)
-            self._control(t_s, self._controller)
+            if controlling:
+                self._control(t_s, self._controller)
         if self._sands:
             self._sanders.step(self._sand)
         if self._drives or self._traction_n != 0.0:
             self._traction.step(self._traction_n, self._axle_speed, self._valid)
             self._numbers["drive_torque_nm"] = self._traction.torque_nm
-            self._drives = bool(self._traction.torque_nm.any())
+            self._drives = self._traction_n != 0.0 or bool(self._traction.torque_nm.any())
+            if not self._drives:
+                self._traction.rest()
         return True
-
-    def _look_again(self, t_s: float, latching: bool) -> None:
-        """Make room for the rows to come, then look."""
-        self._make_room()
-        if look(self._address, t_s, latching) != LOOKED:
-            raise ValueError(f"t_s = {t_s}: the angle of a wheel has jumped by thousands of pulses")
 
     def _make_room(self) -> None:
         """Let every array have room for what the next tick brings."""
@@ -212,15 +217,26 @@ class Loop:
         if self._sands_or_magnets:
             self._sand_and_track_brake(self._output)
         if self._faults.controller_dead:
+            self._dead = True
             return
+        if self._dead:
+            self._dead = False
+            controller.reset(t_s, 1)
         reference_mps = math.nan if self._reference is None else self._reference.at(t_s)
-        self._output = output = controller.step(t_s, self._axle_speed, self._valid, self._demand, 1, reference_mps)
+        try:
+            output = controller.step(t_s, self._axle_speed, self._valid, self._demand, 1, reference_mps)
+        except (ControllerFailed, RunInterrupted):
+            raise
+        except Exception as error:
+            raise ControllerFailed(f"controller at t = {t_s:.2f} s: {type(error).__name__}: {error}") from error
+        self._output = output
         self._answer[:] = output.valve
         self._reference_mps[0] = output.reference_speed_mps
 
     def _estimate(self, tick_s: float, reference: EstimatedReference) -> None:
         """The estimator of the reference takes what was recorded up to the last tick."""
-        last = self._recorder.before + int(self._numbers["row"])
+        # recorded are whole ticks: what came after the instant of that tick belongs to the next one
+        last = self._recorder.before + int(self._numbers["row"]) - (int(self._numbers["rows_per_tick"]) - 1)
         rows = self._recorder.motion_rows(self._estimated_rows, last)
         seen = self._seen[self._ticks - 2]
         reference.step(tick_s, rows, seen[:4], seen[4:] > 0.0)

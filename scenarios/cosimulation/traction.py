@@ -55,6 +55,11 @@ class Traction:
         self.torque_nm = np.zeros(4)
         self._answered_nm = np.zeros(4)
 
+    def rest(self) -> None:
+        """Nothing is asked: the anti-skid begins anew when it is."""
+        if self._anti_skid is not None:
+            self._anti_skid.reset()
+
     def step(self, force_n: float, axle_speed_mps: np.ndarray, valid: np.ndarray) -> None:
         """Answer the driver's force (whole coach, N) and the tachometers (4,) of a tick.
 

@@ -32,7 +32,9 @@ TICKS_PER_IN = 2.5
 POINTS_PER_IN = 72.0
 PNG_SIGNATURE, FILTER_UP = b"\x89PNG\r\n\x1a\n", 2
 
-Place = Literal["best", "upper left", "upper right", "lower left", "lower right", "lower center", "center"]
+Place = Literal[
+    "best", "upper left", "upper right", "lower left", "lower right", "lower center", "upper center", "center"
+]
 
 SETTINGS: dict[Any, Any] = {
     "font.size": 9.0,

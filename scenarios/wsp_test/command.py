@@ -123,12 +123,15 @@ def run_wsp_test(request: Request, console: Console, progress: Console, interrup
 
 def _check_command_line(request: Request, base: str) -> None:
     """Faults of controller and settings, told once and not for every stop."""
-    controller = f"wsp.controller={request.controller}"
     try:
-        load_scenario(base, [controller])
+        load_scenario(base, [f"wsp.controller={request.controller}", *request.settings])
     except BadInput as error:
-        raise BadInput(*(replace(fault, source="CONTROLLER") for fault in error.faults)) from None
-    load_scenario(base, [controller, *request.settings])
+        raise BadInput(
+            *(
+                replace(fault, source="CONTROLLER") if fault.key.startswith("wsp.controller") else fault
+                for fault in error.faults
+            )
+        ) from None
 
 
 def _keys(programme: Programme) -> dict[str, str]:

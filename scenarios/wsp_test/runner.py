@@ -133,7 +133,7 @@ def stop_key(stop: Stop, scenario: Scenario) -> str:
 
 
 def _files_named(tree: Any) -> Iterator[Path]:
-    """Files of the user's own: values that are paths, or begin with one as in `path/to/file.py:Name`."""
+    """Files of the user's own: values that are paths, begin with one as in `path/to/file.py:Name`, or run folders."""
     if isinstance(tree, dict):
         for value in tree.values():
             yield from _files_named(value)
@@ -141,6 +141,6 @@ def _files_named(tree: Any) -> Iterator[Path]:
         for value in tree:
             yield from _files_named(value)
     elif isinstance(tree, str) and 0 < len(tree) < 4096 and "\0" not in tree:
-        for candidate in (tree, tree.rpartition(":")[0]):
+        for candidate in (tree, tree.rpartition(":")[0], f"{tree}/brake.parquet"):
             if candidate and Path(candidate).is_file():
                 yield Path(candidate)

@@ -1,13 +1,19 @@
 """[[faults]] of a scenario: each does in the run what it says, and bad entries are refused."""
 
+import math
+
 import numpy as np
 import pytest
 
+from scenarios.cosimulation.fault_entries import FAULT_KINDS
+from scenarios.cosimulation.faults_at_work import FaultsAtWork
 from scenarios.cosimulation.simulation import simulate
 from scenarios.errors import BadInput
 from scenarios.scenario_file import load_scenario
 from scenarios.truth import Truth
-from wsp import FILL, VENT
+from sensors import Tachometers, pulse_edges
+from wsp import FILL, VENT, Brake
+from wsp.valves import STUCK_OPEN, STUCK_SHUT
 
 # on dry rail nothing slides: what differs from the sound run is the fault's
 DRY_STOP = (
@@ -129,3 +135,30 @@ def test_bad_faults_are_refused(entry: str, message: str) -> None:
 def test_faults_must_be_an_array() -> None:
     with pytest.raises(BadInput, match="must be an array of tables"):
         load_scenario("low-adhesion-stop", ["faults=3"])
+
+
+def test_faults_on_one_part_act_together() -> None:
+    """Teeth and diameter count together and end one by one; of two valves stuck the last rules; leaks add up."""
+    scenario = load_scenario("low-adhesion-stop")
+    brake, tachometers = Brake(scenario.brake, 0.005), Tachometers(scenario.tachometers, np.random.default_rng(1))
+    entries = [
+        FAULT_KINDS["tooth-count"](kind="tooth-count", axle=1, teeth=96, at_s=1.0, until_s=4.0),
+        FAULT_KINDS["wheel-diameter"](kind="wheel-diameter", axle=1, diameter_mm=860.0, at_s=2.0, until_s=5.0),
+        FAULT_KINDS["valve-stuck"](kind="valve-stuck", axle=2, valve="vent", position="open", at_s=1.0),
+        FAULT_KINDS["valve-stuck"](kind="valve-stuck", axle=2, valve="vent", position="shut", at_s=2.0, until_s=3.0),
+        FAULT_KINDS["pipe-leak"](kind="pipe-leak", axle=3, conductance_dm3psbar=1.0, at_s=1.0, until_s=3.0),
+        FAULT_KINDS["pipe-leak"](kind="pipe-leak", axle=3, conductance_dm3psbar=2.0, at_s=2.0, until_s=4.0),
+    ]
+    faults = FaultsAtWork(entries, brake, tachometers)
+    sound_leak = brake.record["leak_dm3pbar"][0, 2]
+    seen = {}
+    while faults.next_s < math.inf:
+        t_s = faults.next_s
+        faults.step(t_s)
+        pitch_m = tachometers.state[pulse_edges.PITCH, 0]
+        leak = (brake.record["leak_dm3pbar"][0, 2] - sound_leak) / 0.005
+        seen[t_s] = (pitch_m / (2.0 * math.pi), brake.record["exhaust_stuck"][0, 1], leak)
+    pitches, stuck, leaks = zip(*(seen[t] for t in (1.0, 2.0, 3.0, 4.0, 5.0)), strict=True)
+    assert pitches == pytest.approx((0.46 / 96, 0.43 / 96, 0.43 / 96, 0.43 / 100, 0.46 / 100))
+    assert stuck == (STUCK_OPEN, STUCK_SHUT, STUCK_OPEN, STUCK_OPEN, STUCK_OPEN)
+    assert leaks == pytest.approx((1.0, 3.0, 2.0, 0.0, 0.0), abs=1e-6)

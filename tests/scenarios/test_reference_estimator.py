@@ -16,9 +16,18 @@ SLOW_STOP = (
 )
 
 
-def test_the_controller_gets_what_the_estimator_makes_of_the_same_readings_afterwards() -> None:
+@pytest.mark.parametrize("record_s", [0.01, 0.005])
+def test_the_controller_gets_what_the_estimator_makes_of_the_same_readings_afterwards(record_s: float) -> None:
     """The same object in the loop and offline, the same numbers; its speed, a tick old, is the reference."""
-    scenario = load_scenario("low-adhesion-stop", [*SLOW_STOP, "simulation.longest_s=12"])
+    scenario = load_scenario(
+        "low-adhesion-stop",
+        [
+            *SLOW_STOP,
+            "simulation.longest_s=12",
+            f"simulation.record_period_s={record_s}",
+            f"imu.rate_hz={1.0 / record_s}",
+        ],
+    )
     truth = simulate(scenario, lambda *_: None, lambda: False)
     estimate = observe(scenario, truth).estimates["ins-odo"]
     brake = truth.brake

@@ -91,3 +91,20 @@ def test_edges_of_the_other_wheels_do_not_know_of_the_fault() -> None:
         both = [readings.t_s[readings.wheelset == wheelset] for readings in edges]
         np.testing.assert_array_equal(both[0], both[1])
     assert math.isclose(edges[1].t_s[edges[1].wheelset == 4].max(), 0.29, abs_tol=0.01)
+
+
+def test_a_slow_wheel_that_is_back_does_not_read_as_locked() -> None:
+    """At 2 m/s edges come rarely: no valid zero before the first of them."""
+    tachometers = Tachometers(EXACT, np.random.default_rng(1))
+    rate = np.full(4, 2.0 / RADIUS_M)
+    read = []
+    for k in range(300):
+        if k == 100:
+            tachometers.lose(0)
+        if k == 200:
+            tachometers.restore(0)
+        tachometers.advance(0.01 * k, 0.01 * k * rate, rate)
+        read.append((tachometers.valid[0], tachometers.axle_speed_mps[0]))
+    back = read[200:]
+    assert all(speed == pytest.approx(2.0, abs=0.05) for valid, speed in back if valid)
+    assert back[-1][0]

@@ -45,7 +45,7 @@ class Adaptive(CompiledController):
     """Seeks the slip that brakes best for each axle while it brakes, leading axles cleaning the rail if that pays.
 
     Needs no pressure sensor. With an axle whose speed is not known all others stay at the lowest slip level, and it
-    gets what the other one of its bogie gets.
+    gets a share of what the other one of its bogie gets.
     """
 
     Parameters = AdaptiveParameters

@@ -86,7 +86,7 @@ def _tick(
 class RuleTable(CompiledController):
     """Rule table of slip and axle acceleration, with pulsed filling and venting.
 
-    An axle whose speed is not known gets what the other one of its bogie gets. The wheels' diameters are compared while
+    A blind axle gets a share of what the other one of its bogie gets. The wheels' diameters are compared while
     the brake is released, so that worn wheels do not look like sliding ones. An outside reference speed replaces the
     controller's own.
     """

@@ -52,7 +52,7 @@ def _tick(
 class SlipTracking(CompiledController):
     """Slip set-point approached on a sliding line, valve pulses to measure, their dead time predicted.
 
-    Needs no pressure sensor. An axle whose speed is not known gets what the other one of its bogie gets.
+    Needs no pressure sensor. An axle whose speed is not known gets a share of what the other one of its bogie gets.
     """
 
     Parameters = SlipTrackingParameters

@@ -194,7 +194,7 @@ def observe(
     direction: int,
     outside_mps: float,
 ) -> bool:
-    """Axles and train one tick on; whether valves may be worked at all (not unbraked, below the cut-off or blind).
+    """Axles and train one tick on; whether valves may be worked at all (neither unbraked nor below the cut-off).
 
     The brakes are taken to be on for as long as they need to release after the demand has gone.
     """
