@@ -114,7 +114,7 @@ def _start(t_s: float, i: int, state: FloatArray, edges: FloatArray, count: int)
     for back in (1, 0):
         edge = k - back if speed > 0.0 else k + 1 + back
         edge_t_s = t_s - (angle - _edge_angle(edge, i, state)) / speed
-        if t_s - edge_t_s <= state[CONSTANTS, 2]:
+        if t_s - edge_t_s <= state[CONSTANTS, 2] and state[FAULT, i] == SOUND:
             edges[count, 0] = edge_t_s
             edges[count, 1] = direction * (i + 1)
             count += 1

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from wsp.controllers.compiled import CompiledController
+from wsp.controllers.compiled_controller import CompiledController
 from wsp.controllers.requests import request
 from wsp.controllers.slip_law import command_slips, observe_adhesion, slip_law_constants, slip_law_state
 from wsp.controllers.slip_law_parameters import SlipLawControllerParameters
@@ -33,7 +33,7 @@ def _tick(
     direction: int,
     outside_mps: float,
 ) -> tuple[float, bool]:
-    """One tick, see wsp.controllers.compiled."""
+    """One tick, see wsp.controllers.compiled_controller."""
     s, c = state[0], constants[0]
     at_work = observe_adhesion(s, c, axle_speed_mps, valid, demand, direction, outside_mps)
     search_slips(s, c, at_work, direction)

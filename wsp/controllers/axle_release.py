@@ -7,8 +7,9 @@ it from the last speed known for certain.
 
 import numpy as np
 
+from wsp.compiled import Record
 from wsp.controllers.interface import AXLES
-from wsp.controllers.records import Record, part_of_tick
+from wsp.controllers.records import part_of_tick
 
 NO_AXLE = -1
 

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wsp.axle_speed import compare_wheels, fading_memory_after
+from wsp.compiled import Record
 from wsp.controllers.interface import AXLES
-from wsp.controllers.records import Record, part_of_tick
+from wsp.controllers.records import part_of_tick
 
 _LARGEST_NOISE_MPS2 = 5.0  # in the acceleration of a wheel that rolls freely
 _LEVEL_SHARE = 0.01  # within this readings count as equal; a frozen one stands out by more

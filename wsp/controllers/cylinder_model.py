@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
+from wsp.compiled import Record
 from wsp.controllers.interface import AXLES
-from wsp.controllers.records import Record, part_of_tick
+from wsp.controllers.records import part_of_tick
 from wsp.pneumatics import ATMOSPHERE_BAR, pressure_emptied_bar, pressure_filled_bar
 from wsp.valves import FILL, VENT
 

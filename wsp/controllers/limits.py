@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from wsp.compiled import Record
 from wsp.controllers.interface import AXLES
-from wsp.controllers.records import Record, part_of_tick
+from wsp.controllers.records import part_of_tick
 from wsp.valves import FILL, HOLD, VENT
 
 

@@ -13,9 +13,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-Record = Any
-"""A record as compiled code sees it; numba knows its fields, mypy does not."""
-
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 

@@ -7,7 +7,8 @@ nothing on board tells apart): near g times the adhesion when all axles slide.
 import numpy as np
 from numpy.typing import NDArray
 
-from wsp.controllers.records import Record, part_of_tick
+from wsp.compiled import Record
+from wsp.controllers.records import part_of_tick
 from wsp.controllers.supervision import under_control
 
 

@@ -6,11 +6,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from wsp.compiled import Record
 from wsp.controllers.axle_release import still_falls
-from wsp.controllers.compiled import CompiledController
+from wsp.controllers.compiled_controller import CompiledController
 from wsp.controllers.interface import AXLES
 from wsp.controllers.limits import command_the_rest, guarded, sighted
-from wsp.controllers.records import Record, part_of_tick, ticks
+from wsp.controllers.records import part_of_tick, ticks
 from wsp.controllers.requests import request
 from wsp.controllers.rule_table_parameters import ACTIONS, COLUMNS, ROWS, RuleTableParameters
 from wsp.controllers.supervision import known_reference, observe
@@ -73,7 +74,7 @@ def _tick(
     direction: int,
     outside_mps: float,
 ) -> tuple[float, bool]:
-    """One tick, see wsp.controllers.compiled."""
+    """One tick, see wsp.controllers.compiled_controller."""
     s, c = state[0], constants[0]
     at_work = observe(s, c, axle_speed_mps, valid, demand, direction, outside_mps)
     for axle in range(AXLES):

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wsp.compiled import Record
 from wsp.controllers.axle_release import NO_AXLE, still_falls
 from wsp.controllers.cylinder_model import (
     commit,
@@ -32,7 +33,7 @@ from wsp.controllers.cylinder_model import (
 )
 from wsp.controllers.interface import AXLES
 from wsp.controllers.limits import command_the_rest, guarded, sighted
-from wsp.controllers.records import Record, part_of_tick
+from wsp.controllers.records import part_of_tick
 from wsp.controllers.slip_law_parameters import SlipLawControllerParameters
 from wsp.controllers.supervision import observe
 from wsp.valves import FILL, HOLD, VENT

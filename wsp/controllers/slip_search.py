@@ -18,10 +18,11 @@ from typing import Any
 
 import numpy as np
 
+from wsp.compiled import Record
 from wsp.controllers.axle_release import NO_AXLE
 from wsp.controllers.interface import AXLES
 from wsp.controllers.limits import sighted
-from wsp.controllers.records import Record, part_of_tick
+from wsp.controllers.records import part_of_tick
 from wsp.controllers.slip_search_parameters import LEVELS, SlipSearchParameters
 
 _BINS, _BIN_M = 64, 0.5

@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wsp.compiled import Record
 from wsp.controllers.axle_release import NO_AXLE, relieve_in_rotation, take_as_certain
 from wsp.controllers.axle_watch import compare_axles, follow_axles, motion_of_rolling_axles
 from wsp.controllers.interface import AXLES
-from wsp.controllers.records import Record, part_of_tick, ticks
+from wsp.controllers.records import part_of_tick, ticks
 from wsp.controllers.supervision_parameters import SupervisionParameters
 from wsp.reference_speed import SOURCES, reference_after
 
