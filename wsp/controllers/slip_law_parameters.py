@@ -12,14 +12,9 @@ class ReckonedReferenceParameters(ReferenceSpeedParameters):
     the assumed one) is slow."""
 
     fall_margin_mps2: float = Field(default=0.1, gt=0.0, le=5.0)
-    fall_margin_at_work_mps2: float = Field(default=0.02, gt=0.0, le=5.0)
+    fall_margin_at_work_mps2: float = Field(default=0.003, gt=0.0, le=5.0)
     jerk_limit_mps3: float = Field(default=0.03, gt=0.0, le=10.0)
-    jerk_limit_at_work_mps3: float = Field(
-        default=0.02,
-        gt=0.0,
-        le=10.0,
-        description="less is better on even rail, and loses the train where dry rail returns",
-    )
+    jerk_limit_at_work_mps3: float = Field(default=0.003, gt=0.0, le=10.0)
 
 
 class SlipLawParameters(BaseModel):
