@@ -180,6 +180,9 @@ def test_nothing_is_left_of_what_the_controller_started(load: Load) -> None:
     pid = controller._process.pid
     assert len(running(pid)) == 2
     controller.close()
+    left_by = time.monotonic() + 5.0  # killed they all are; who is no child of ours is reaped by the system in its time
+    while running(pid) and time.monotonic() < left_by:
+        time.sleep(0.02)
     assert running(pid) == []
 
 
