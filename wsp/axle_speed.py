@@ -1,11 +1,12 @@
 """What a controller makes of the axle speeds: smooth speed and acceleration, and wheels of different wear compared."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from wsp.compiled import compiled
 
-@njit(cache=True)
+
+@compiled
 def fading_memory_after(
     speed_mps: float, acceleration_mps2: float, measured_mps: float, memory: float, period_s: float
 ) -> tuple[float, float]:
@@ -20,7 +21,7 @@ def fading_memory_after(
     return speed, acceleration_mps2 + (1.0 - memory) ** 2 / period_s * residual
 
 
-@njit(cache=True)
+@compiled
 def compare_wheels(
     ratio: NDArray[np.float64],
     axle_speed_mps: NDArray[np.float64],

@@ -23,8 +23,9 @@ deceleration is then the one that leads from the last speed known for certain to
 from typing import Literal
 
 import numpy as np
-from numba import njit
 from pydantic import BaseModel, ConfigDict, Field
+
+from wsp.compiled import compiled
 
 SOURCES = ("mean-of-axles", "fastest-axle", "axle-release")
 
@@ -85,7 +86,7 @@ class ReferenceSpeedParameters(BaseModel):
     )
 
 
-@njit(cache=True)
+@compiled
 def reference_after(
     speed_mps: float,
     deceleration_mps2: float,

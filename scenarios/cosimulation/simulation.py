@@ -42,9 +42,9 @@ def simulate(
     line = Line(scenario)
     coach = Coach(scenario.coach, line.contact, line.track, line.rail)
     simulation = scenario.simulation
-    _compile(scenario)
     loop = Loop(scenario, line, on_progress, stop_requested, outside)
     try:
+        _compile(scenario)
         report = coach.run(
             simulation.step_s,
             simulation.longest_s,

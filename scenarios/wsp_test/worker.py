@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from scenarios.cosimulation.simulation import simulate
-from scenarios.errors import RunInterrupted
+from scenarios.errors import RunInterrupted, SolveFailed
 from scenarios.shortest_stop import shortest_stop
 from scenarios.truth import Truth
 from scenarios.wsp_test.programme import Stop
@@ -41,6 +41,8 @@ def score(stop: Stop, stop_requested: StopRequested) -> Scored:
         return Scored(score_stop(truth, shortest_m, stop.scoring))
     except RunInterrupted:
         raise
+    except SolveFailed as error:
+        return Scored(None, str(error))
     except Exception as error:
         return Scored(None, f"{type(error).__name__}: {error}")
 

@@ -298,7 +298,7 @@ def test_files_that_are_none(tmp_path: Path) -> None:
     assert "line 3" in refusal(tmp_path / "cut.toml")
     (tmp_path / "null.toml").write_bytes(b"[scenario]\n\0\n")
     assert "not valid TOML" in refusal(tmp_path / "null.toml")
-    assert "low-adhesion-stop" in refusal("low-adhesion-stp")
+    assert "best matches are low-adhesion-stop, typical-low-adhesion (" in refusal("low-adhesion-stp")
 
 
 NUMBERS = st.one_of(st.floats(), st.integers(-(10**400), 10**400), st.integers(-100, 100))

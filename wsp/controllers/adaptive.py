@@ -3,9 +3,9 @@
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from wsp.compiled import compiled
 from wsp.controllers.compiled_controller import CompiledController
 from wsp.controllers.requests import request
 from wsp.controllers.slip_law import command_slips, observe_adhesion, slip_law_constants, slip_law_state
@@ -21,7 +21,7 @@ class AdaptiveParameters(SlipLawControllerParameters):
     search: SlipSearchParameters = SlipSearchParameters()
 
 
-@njit(cache=True)
+@compiled
 def _tick(
     state: NDArray[np.void],
     constants: NDArray[np.void],

@@ -1,5 +1,6 @@
 """The shell of a controller whose tick is one compiled function over a record of its state and one of its constants."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any, ClassVar
 
@@ -16,7 +17,7 @@ Tick = Callable[..., tuple[float, bool]]
 speed and whether the track brake is wanted: fills in valve codes (4,) and sand (4,)."""
 
 
-class CompiledController:
+class CompiledController(ABC):
     """To be derived from: a class gives its tick, and what it adds to the supervision's constants and state."""
 
     period_s = 0.01
@@ -32,13 +33,13 @@ class CompiledController:
         self._first_state = record_of({**self._own_state(), **supervision_state(parameters, self.period_s)})
         self._state = self._first_state.copy()
 
+    @abstractmethod
     def _own_constants(self, parameters: Any) -> dict[str, Any]:
         """Constants by name, besides the supervision's."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _own_state(self) -> dict[str, Any]:
         """State by name as a run begins, besides the supervision's."""
-        raise NotImplementedError
 
     def reset(self, t_s: float, direction: int) -> None:
         """Forget speeds, wheel ratios, what was done to the brakes and what was learnt."""

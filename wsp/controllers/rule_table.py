@@ -3,10 +3,9 @@
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from wsp.compiled import Record
+from wsp.compiled import Record, compiled
 from wsp.controllers.axle_release import still_falls
 from wsp.controllers.compiled_controller import CompiledController
 from wsp.controllers.interface import AXLES
@@ -62,7 +61,7 @@ def _pulsed(s: Record, c: Record, axle: int, action: int) -> int:
     return HOLD
 
 
-@njit(cache=True)
+@compiled
 def _tick(
     state: NDArray[np.void],
     constants: NDArray[np.void],

@@ -3,10 +3,10 @@
 from typing import Annotated, Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field
 
+from wsp.compiled import compiled
 from wsp.controllers.compiled_controller import CompiledController
 from wsp.controllers.interface import AXLES
 from wsp.controllers.requests import request
@@ -28,7 +28,7 @@ class SlipTrackingParameters(SlipLawControllerParameters):
     )
 
 
-@njit(cache=True)
+@compiled
 def _tick(
     state: NDArray[np.void],
     constants: NDArray[np.void],
