@@ -21,6 +21,7 @@ _CREEP_COUNTS_FOR_S = 1.0
 _LEVEL_WITH_FASTEST_MPS = 0.5  # only axles that slip so little more than the fastest are relieved: they soon grip
 _SHORTEST_TIME_BETWEEN_S = 1.5
 _STILL_FALLS_AFTER_S = 0.4
+_TAKES_LONG_S, _MORE_TOLERANT = 1.0, 1.6
 
 
 @part_of_tick
@@ -76,8 +77,10 @@ def relieve_in_rotation(s: Record, c: Record, wanted: bool) -> None:
         return
     s.relieved_ticks += 1
     s.rolling_mps2 += (s.acceleration_mps2[axle] + s.deceleration_mps2 - s.rolling_mps2) * c.rolling_share
-    # an axle that begins to gain speed passes through the train's acceleration as well, but does not stay at it
-    s.rolled_ticks = s.rolled_ticks + 1 if s.grips and abs(s.rolling_mps2) < c.rolling_mps2 else 0
+    # an axle that begins to gain speed passes through the train's acceleration as well, but does not stay at it; one
+    # that takes long is judged less strictly, as it may be the train's that is not as supposed
+    tolerance = c.rolling_mps2 * (1.0 if s.relieved_ticks * c.period_s < _TAKES_LONG_S else _MORE_TOLERANT)
+    s.rolled_ticks = s.rolled_ticks + 1 if s.grips and abs(s.rolling_mps2) < tolerance else 0
     if wanted and s.rolled_ticks >= c.rolling_for:
         fallen = s.supported_mps - s.speed_mps[axle]
         # both speeds are wrong by a little creep, which over a short time would count for too much

@@ -31,15 +31,18 @@ from wsp.controllers.cylinder_model import (
     follow_demand,
     pressure_after,
 )
+from wsp.controllers.grip import go_by_gripping_axles, grip_state, grips
 from wsp.controllers.interface import AXLES
 from wsp.controllers.limits import command_the_rest, guarded, sighted
 from wsp.controllers.records import part_of_tick
 from wsp.controllers.slip_law_parameters import SlipLawControllerParameters
-from wsp.controllers.supervision import observe
+from wsp.controllers.supervision import observe, under_control
 from wsp.valves import FILL, HOLD, VENT
 
 _EMPTY_BAR = 0.05  # supposed to be out: a vent valve left open costs nothing, and makes sure
 _GRIPPING_SHARE = 0.5  # of its relief by which a gripping axle's adhesion has fallen at least
+_ROLLS_WITHIN_MPS, _ROLLING_S = 0.3, 0.5  # of the reference; memory of the deceleration
+_EVEN_FOR_S = 1.5
 _FURTHER_RELIEF_BAR = 0.03  # a tick, for a relieved axle that still falls
 
 
@@ -56,6 +59,7 @@ def slip_law_state() -> dict[str, Any]:
     """State by name, besides the supervision's: adhesion f, m/s2, its mean, set-points, relief from and to."""
     return {
         **cylinder_state(),
+        **grip_state(),
         "adhesion_mps2": np.zeros(AXLES),
         "mean_adhesion_mps2": 0.0,
         "slip_set_mps": np.zeros(AXLES),
@@ -67,13 +71,34 @@ def slip_law_state() -> dict[str, Any]:
 
 @part_of_tick
 def _grips(s: Record, c: Record) -> bool:
-    """Whether the relieved axle's adhesion has gone down with its brake: a sliding one's does not depend on it."""
+    """Whether the relieved axle's adhesion has gone down with its brake: a sliding one's does not depend on it.
+
+    With its pressure held a sliding axle does not go on evenly for long, so that in the end that alone will do.
+    """
     if s.relieved == NO_AXLE:
         return False
+    if s.relieved_ticks * c.period_s > _EVEN_FOR_S:
+        return True
     acting_bar = committed_before(s, s.relieved, c.delay)
     relief = c.mps2_per_bar * (s.relieved_from_bar - acting_bar)
     adhesion = s.acceleration_mps2[s.relieved] + c.mps2_per_bar * acting_bar
     return bool(relief > 0.0 and s.relieved_from_mps2 - adhesion > _GRIPPING_SHARE * relief)
+
+
+@part_of_tick
+def _go_by_rolling_axles(s: Record, c: Record) -> None:
+    """The train decelerates no more than its axles while they all roll and nobody works their brakes."""
+    total = 0.0
+    count = 0
+    for axle in range(AXLES):
+        if sighted(s, axle):
+            if abs(s.speed_mps[axle] - s.reference_mps) > _ROLLS_WITHIN_MPS:
+                return
+            total -= s.acceleration_mps2[axle]
+            count += 1
+    if count > 0 and s.deceleration_mps2 > total / count:
+        error = s.deceleration_mps2 - total / count
+        s.deceleration_mps2 -= min(error / _ROLLING_S, c.jerk_decline_mps3) * c.period_s
 
 
 @part_of_tick
@@ -102,6 +127,11 @@ def observe_adhesion(
         mean += s.adhesion_mps2[axle] / AXLES
     s.deceleration_mps2 += c.rotating_share * (mean - s.mean_adhesion_mps2)
     s.mean_adhesion_mps2 = mean
+    if np.isnan(outside_mps):
+        if under_control(s, c):
+            go_by_gripping_axles(s, c)
+        else:
+            _go_by_rolling_axles(s, c)
     return at_work
 
 
@@ -119,6 +149,8 @@ def _for_slip(s: Record, c: Record, axle: int) -> int:
     change = (ahead - wanted) / c.mps2_per_bar
     alone = s.since_vent[axle] >= c.quiet
     if alone and slip < c.start_offset_mps + c.start_share * s.reference_mps and ahead > -c.start_fall_mps2:
+        return FILL
+    if grips(s, axle) and slip < s.slip_set_mps[axle]:
         return FILL
     if abs(change) < c.noise_share * s.noise_mps2[axle] / c.mps2_per_bar:
         return FILL if alone else HOLD
