@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -56,6 +55,7 @@ class CoachFmu:
         except Exception:
             raise RuntimeError("; ".join(self.messages)) from None
         self._now_s = 0.0
+        self._known: dict[tuple[str, ...], list[_Group]] = {}
 
     def __enter__(self) -> Self:
         return self
@@ -82,20 +82,68 @@ class CoachFmu:
 
     def get(self, name: str) -> list[Any]:
         """Value of the variable of that name, or values of `name[1]`, `name[2]` ..."""
-        references, kind = _places(name)
-        values: list[Any] = getattr(self.calls, f"get{TYPES[self.fmi][kind]}")(references)
-        return values
+        return self.read((name,))[name]
+
+    def read(self, names: tuple[str, ...]) -> dict[str, list[Any]]:
+        """What `get` gives of each name, with one call for each type."""
+        found: dict[str, list[Any]] = {}
+        for group in self._groups(names):
+            group.get()
+            for name, places in group.places.items():
+                found[name] = group.values[places]
+        return found
 
     def set(self, name: str, values: Sequence[Any]) -> None:
         """Set the variable of that name, or `name[1]`, `name[2]` ..."""
-        references, kind = _places(name)
-        getattr(self.calls, f"set{TYPES[self.fmi][kind]}")(references, values)
+        self.write({name: values})
+
+    def write(self, values: dict[str, Sequence[Any]]) -> None:
+        """Set several, with one call for each type."""
+        for group in self._groups(tuple(values)):
+            for name, places in group.places.items():
+                group.values[places] = values[name]
+            group.set()
+
+    def _groups(self, names: tuple[str, ...]) -> list["_Group"]:
+        """The variables of that names by type; made once, as a tool does that asks for the same at every step."""
+        if names not in self._known:
+            by_kind: dict[str, dict[str, slice]] = {}
+            for name in names:
+                places = slice_of(VARIABLES, name)
+                by_kind.setdefault(VARIABLES[places.start].kind, {})[name] = places
+            self._known[names] = [_Group(self.calls, self.fmi, kind, places) for kind, places in by_kind.items()]
+        return self._known[names]
 
 
-@cache
-def _places(name: str) -> tuple[range, str]:
-    places = slice_of(VARIABLES, name)
-    return range(places.start, places.stop), VARIABLES[places.start].kind
+class _Group:
+    """Variables of one type: their references, their values, the two calls of the FMU, and where each name stands."""
+
+    def __init__(self, calls: Any, fmi: int, kind: str, variables: dict[str, slice]) -> None:
+        from fmpy import fmi2, fmi3
+
+        module = fmi2 if fmi == 2 else fmi3
+        self.places: dict[str, slice] = {}
+        references: list[int] = []
+        for name, places in variables.items():
+            self.places[name] = slice(len(references), len(references) + places.stop - places.start)
+            references += range(places.start, places.stop)
+        count = len(references)
+        self.values = (getattr(module, f"fmi{fmi}{TYPES[fmi][kind]}") * count)()
+        self._given = [
+            calls.component,
+            (getattr(module, f"fmi{fmi}ValueReference") * count)(*references),
+            count,
+            self.values,
+            *([count] if fmi == 3 else []),
+        ]
+        self._get = getattr(calls, f"fmi{fmi}Get{TYPES[fmi][kind]}")
+        self._set = getattr(calls, f"fmi{fmi}Set{TYPES[fmi][kind]}")
+
+    def get(self) -> None:
+        self._get(*self._given)
+
+    def set(self) -> None:
+        self._set(*self._given)
 
 
 @dataclass(frozen=True)
@@ -121,20 +169,20 @@ def brake(coach: CoachFmu, controller: Controller, ticks: int, record: Sequence[
     output = ControllerOutput()
     every = round(controller.period_s / TICK_S)
     rows: dict[str, list[list[Any]]] = {name: [] for name in ("time", *record)}
+    wanted = tuple({*rows, "axle_speed_mps", "axle_speed_valid", "demand_in_force"})
     begin_s = time.perf_counter()
     for tick in range(ticks + 1):
+        seen = coach.read(wanted)
         for name, row in rows.items():
-            row.append(coach.get(name))
+            row.append(seen[name])
         if tick == ticks:
             break
         if tick % every == 0:
-            coach.set("valve_command", output.valve.tolist())
-            coach.set("sand", output.sand.tolist())
-            coach.set("track_brake", [output.track_brake])
-            speeds = np.array(coach.get("axle_speed_mps"))
-            valid = np.array(coach.get("axle_speed_valid"), dtype=np.bool_)
-            (demand,) = coach.get("demand_in_force")
-            output = controller.step(rows["time"][-1][0], speeds, valid, demand, 1, math.nan)
+            flags = {"sand": output.sand.tolist(), "track_brake": [output.track_brake]}
+            coach.write({"valve_command": output.valve.tolist(), **flags})
+            speeds = np.array(seen["axle_speed_mps"])
+            valid = np.array(seen["axle_speed_valid"], dtype=np.bool_)
+            output = controller.step(seen["time"][0], speeds, valid, seen["demand_in_force"][0], 1, math.nan)
         coach.step()
     wall_s = time.perf_counter() - begin_s
     columns = {name: np.array(row).squeeze(axis=1) if len(row[0]) == 1 else np.array(row) for name, row in rows.items()}

@@ -5,26 +5,27 @@ import numpy as np
 from scenarios.coach_fmu.variables import GOT, slice_of
 from scenarios.cosimulation.outside import View
 from scenarios.schema import TICK_S, Scenario
-from sensors import Imu
+from sensors import Imu, pulse_edges
 from vehicle import OBSERVATION
-from wheel_rail.compiled import Array, compiled
+from wheel_rail.compiled import Array, Record, compiled
 
 _TIME = slice_of(GOT, "time").start
-_COUNTS = slice_of(GOT, "pulse_count")
-_PULSES = slice_of(GOT, "last_pulse_s")
-_SPEEDS = slice_of(GOT, "axle_speed_mps")
-_VALID = slice_of(GOT, "axle_speed_valid")
+_COUNTS = slice_of(GOT, "pulse_count").start
+_PULSES = slice_of(GOT, "last_pulse_s").start
+_SPEEDS = slice_of(GOT, "axle_speed_mps").start
+_VALID = slice_of(GOT, "axle_speed_valid").start
 _DEMAND = slice_of(GOT, "demand_in_force").start
 _DISTRIBUTOR = slice_of(GOT, "distributor_pressure_bar").start
 _RESERVOIR = slice_of(GOT, "reservoir_pressure_bar").start
-_CYLINDERS = slice_of(GOT, "cylinder_pressure_bar")
-_VALVES = slice_of(GOT, "valve_state")
+_CYLINDERS = slice_of(GOT, "cylinder_pressure_bar").start
+_VALVES = slice_of(GOT, "valve_state").start
 _AIR = slice_of(GOT, "air_nl").start
-_IMU = slice(slice_of(GOT, "imu_sampled_s").start, slice_of(GOT, "imu_temperature_degc").stop)
+_IMU = slice_of(GOT, "imu_sampled_s").start
+_IMU_VALUES = slice_of(GOT, "imu_temperature_degc").stop - _IMU
 _POSITION = slice_of(GOT, "true_position_m").start
 _SPEED = slice_of(GOT, "true_speed_mps").start
 _ACCELERATION = slice_of(GOT, "true_acceleration_mps2").start
-_RIMS = slice_of(GOT, "true_rim_speed_mps")
+_RIMS = slice_of(GOT, "true_rim_speed_mps").start
 _KINEMATICS = ("t_s", "specific_force_mps2", "angular_rate_radps", "angular_acceleration_radps2")
 
 
@@ -42,7 +43,7 @@ class Readouts:
         self._every = round(1.0 / (scenario.imu.rate_hz * TICK_S))
         self._rows = np.zeros(self._every, OBSERVATION)
         self._row = -1  # the one written last
-        self._reading = np.zeros(_IMU.stop - _IMU.start)
+        self._reading = np.zeros(_IMU_VALUES)
         self._ticks = 0
         self._pulses = np.zeros((2, 4))  # counts, times of the last ones
         self._pulses[1] = -scenario.tachometers.timeout_s
@@ -69,24 +70,43 @@ class Readouts:
 
     def write(self, t_s: float, view: View, values: np.ndarray) -> None:
         """Write what is there at the tick that was followed last into `values` (GOT,)."""
-        row = self._rows[self._row]
-        tachometers, brake = view.tachometers, view.brake
-        values[_TIME] = self._start_s + t_s
-        values[_COUNTS] = self._pulses[0]
-        values[_PULSES] = self._start_s + self._pulses[1]
-        values[_SPEEDS] = tachometers.axle_speed_mps
-        values[_VALID] = tachometers.valid
-        values[_DEMAND] = view.demand
-        values[_DISTRIBUTOR] = brake.distributor_pressure_bar
-        values[_RESERVOIR] = brake.reservoir_pressure_bar
-        values[_CYLINDERS] = brake.cylinder_pressure_bar
-        values[_VALVES] = brake.valve_state
-        values[_AIR] = brake.air_nl
-        values[_IMU] = self._reading
-        values[_POSITION] = row["position_m"]
-        values[_SPEED] = row["speed_mps"]
-        values[_ACCELERATION] = row["acceleration_mps2"]
-        values[_RIMS] = row["rim_speed_mps"]
+        write_values(
+            (self._start_s, t_s, view.demand), self._pulses, view.tachometers.state, view.brake.record, self._reading,
+            self._rows[self._row : self._row + 1], values,
+        )  # fmt: skip
+
+
+@compiled
+def write_values(
+    times_and_demand: tuple[float, float, float],
+    pulses: Array,
+    tachometers: Array,
+    brake: Record,
+    reading: Array,
+    row: Record,
+    values: Array,
+) -> None:
+    """Fill `values` (GOT,): one call in the place of some twenty assignments of slices."""
+    start_s, t_s, demand = times_and_demand
+    plant, motion = brake[0], row[0]
+    values[_TIME] = start_s + t_s
+    values[_DEMAND] = demand
+    values[_DISTRIBUTOR] = plant.distributor_bar
+    values[_RESERVOIR] = plant.reservoir_bar
+    values[_AIR] = plant.drawn_nl
+    values[_POSITION] = motion.position_m
+    values[_SPEED] = motion.speed_mps
+    values[_ACCELERATION] = motion.acceleration_mps2
+    for axle in range(4):
+        values[_COUNTS + axle] = pulses[0, axle]
+        values[_PULSES + axle] = start_s + pulses[1, axle]
+        values[_SPEEDS + axle] = tachometers[pulse_edges.SPEED, axle]
+        values[_VALID + axle] = 1.0 if tachometers[pulse_edges.VALID, axle] > 0.0 else 0.0
+        values[_CYLINDERS + axle] = plant.cylinder_bar[axle]
+        values[_VALVES + axle] = plant.valve[axle]
+        values[_RIMS + axle] = motion.rim_speed_mps[axle]
+    for k in range(len(reading)):
+        values[_IMU + k] = reading[k]
 
 
 @compiled

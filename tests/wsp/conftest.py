@@ -68,7 +68,7 @@ def rim_after(rim: float, speed: float, torque_nm: float, mu0: float, load_n: fl
 
 
 @njit(cache=True)
-def advance(coach, rims, torque_nm, mu0: float, step_s: float):
+def advance(coach, rims, torque_nm, mu0: float, gradient: float, step_s: float):
     """One step. coach: time, position, speed, slid (0/1), work of the brake forces, work of the peak adhesion (J)."""
     speed = coach[2]
     total = 0.0
@@ -81,7 +81,7 @@ def advance(coach, rims, torque_nm, mu0: float, step_s: float):
         possible += load * peak_adhesion(speed, mu0, load / 2)
         if speed - rims[i] > 0.03 * speed:
             coach[3] = 1.0
-    coach[2] = speed - (total / MASS_KG + RESISTANCE_NPKG) * step_s
+    coach[2] = speed - (total / MASS_KG + RESISTANCE_NPKG + GRAVITY_MPS2 * gradient) * step_s
     coach[1] += 0.5 * (speed + coach[2]) * step_s
     coach[0] += step_s
     if coach[3] > 0 and speed > 10 / 3.6:
@@ -140,8 +140,10 @@ def stop_coach(
     pitch_error: float = 0.007,
     wheel_share: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0),
     seed: int = 1,
+    gradient: Callable[[float], float] = lambda _: 0.0,
 ) -> Stop:
-    """Roll for one second, then brake to standstill (300 s at most); peak(position) is the adhesion asked for."""
+    """Roll for one second, then brake to standstill (300 s at most); peak(position) is the adhesion asked for,
+    gradient(position) the sine of the slope, positive uphill."""
     rng = np.random.default_rng(seed)
     brake = Brake(parameters, step_s)
     coach = np.array([0.0, 0.0, speed_kmh / 3.6, 0.0, 0.0, 0.0])
@@ -172,7 +174,7 @@ def stop_coach(
             rows.append((*coach[:3], *rims, output.reference_speed_mps, *brake.cylinder_pressure_bar, *answer))
         torque = brake.step(applied, valve, rims / RADIUS_M, coach[2])
         before, time_s = rims.copy(), coach[0]
-        advance(coach, rims, torque, peak(coach[1]) / PEAK_PER_MU0, step_s)
+        advance(coach, rims, torque, peak(coach[1]) / PEAK_PER_MU0, gradient(coach[1]), step_s)
         count_edges(edges, teeth, time_s, step_s, before, rims)
         if coach[2] > 30 / 3.6:
             lock = np.where(rims < 0.05 * coach[2], lock + step_s, 0.0)

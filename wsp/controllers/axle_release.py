@@ -39,16 +39,21 @@ def take_as_certain(s: Record) -> None:
 
 
 @part_of_tick
+def _level_with_fastest(s: Record, axle: int) -> bool:
+    """False for a blind axle."""
+    for other in range(AXLES):
+        if s.speed_mps[axle] < s.speed_mps[other] - _LEVEL_WITH_FASTEST_MPS:
+            return False
+    return not np.isnan(s.speed_mps[axle])
+
+
+@part_of_tick
 def _next_to_relieve(s: Record) -> int:
     """The next axle in rotation among those that slip least; NO_AXLE if all are blind."""
-    fastest = -1.0
-    for axle in range(AXLES):
-        if s.speed_mps[axle] > fastest:
-            fastest = s.speed_mps[axle]
     axle = s.relieved_last
     for _ in range(AXLES):
         axle = (axle + 1) % AXLES
-        if s.speed_mps[axle] > fastest - _LEVEL_WITH_FASTEST_MPS:
+        if _level_with_fastest(s, axle):
             return axle
     return NO_AXLE
 
@@ -80,7 +85,8 @@ def relieve_in_rotation(s: Record, c: Record, wanted: bool) -> None:
     # an axle that begins to gain speed passes through the train's acceleration as well, but does not stay at it; one
     # that takes long is judged less strictly, as it may be the train's that is not as supposed
     tolerance = c.rolling_mps2 * (1.0 if s.relieved_ticks * c.period_s < _TAKES_LONG_S else _MORE_TOLERANT)
-    s.rolled_ticks = s.rolled_ticks + 1 if s.grips and abs(s.rolling_mps2) < tolerance else 0
+    rolls = s.grips and abs(s.rolling_mps2) < tolerance and _level_with_fastest(s, axle)  # a locked one goes evenly too
+    s.rolled_ticks = s.rolled_ticks + 1 if rolls else 0
     if wanted and s.rolled_ticks >= c.rolling_for:
         fallen = s.supported_mps - s.speed_mps[axle]
         # both speeds are wrong by a little creep, which over a short time would count for too much

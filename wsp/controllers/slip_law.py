@@ -42,6 +42,7 @@ from wsp.valves import FILL, HOLD, VENT
 _EMPTY_BAR = 0.05  # supposed to be out: a vent valve left open costs nothing, and makes sure
 _GRIPPING_SHARE = 0.5  # of its relief by which a gripping axle's adhesion has fallen at least
 _ROLLS_WITHIN_MPS, _ROLLING_S = 0.3, 0.5  # of the reference; memory of the deceleration
+_LOST_MPS = 1.0  # beyond its set-point a relieved axle is no longer left to its relief: worse rail has come
 _EVEN_FOR_S = 1.5
 _FURTHER_RELIEF_BAR = 0.03  # a tick, for a relieved axle that still falls
 
@@ -174,6 +175,8 @@ def _relieved(s: Record, c: Record, axle: int) -> int:
         s.relieved_to_bar = s.committed_bar[axle] - less / c.mps2_per_bar
     elif still_falls(s, c):
         s.relieved_to_bar -= _FURTHER_RELIEF_BAR
+    if s.reference_mps - s.speed_mps[axle] > s.slip_set_mps[axle] + _LOST_MPS:
+        return _for_slip(s, c, axle)
     held = pressure_after(s, c, axle, HOLD)
     if held - s.relieved_to_bar > held - pressure_after(s, c, axle, VENT) > 0.0:
         return VENT
