@@ -105,7 +105,7 @@ LONG = {
 
 
 def integrated(end_m: float) -> np.ndarray:
-    """Positions (3, n) every metre from curvature and gradient alone, written anew: Simpson's rule twice, in extended precision."""
+    """Positions (3, n) every metre, from curvature and gradient alone: Simpson's rule twice, in extended precision."""
     h = np.longdouble(1.0)
     n = round(end_m / float(h))
     s = h * np.arange(2 * n + 1) / 2  # ends and middles of the cells
