@@ -76,9 +76,13 @@ def _s_curves_off_mm() -> float:
     return 1e3 * float(np.linalg.norm(_place(track, LENGTH_M) - [end.real, end.imag, 0.0]))
 
 
+def _density_m3(name: SpectrumName, quantity: str, frequency_cpm: float) -> float:
+    return float(SPECTRA[name].per_cycle(quantity, np.array(frequency_cpm)))
+
+
 def _band_rms_mm(name: SpectrumName, quantity: str, low_cpm: float, high_cpm: float) -> float:
     """Root of the integral of the density over the band."""
-    variance, _ = quad(lambda f: float(SPECTRA[name].per_cycle(quantity, f)), low_cpm, high_cpm)
+    variance, _ = quad(partial(_density_m3, name, quantity), low_cpm, high_cpm)
     return 1e3 * float(np.sqrt(variance))
 
 
@@ -126,7 +130,7 @@ CASES = (
         Case(
             f"track-density-{quantity}-{frequency:g}", SPECTRAL,
             f"ERRI B176 high: density of the {_words(quantity)} at {frequency:g} cycles/m", GENSYS, density, "m³",
-            lambda q=quantity, f=frequency: float(SPECTRA["erri-b176-high"].per_cycle(q, f)), 1e-3, relative=True,
+            partial(_density_m3, "erri-b176-high", quantity, frequency), 1e-3, relative=True,
         )
         for quantity, densities in ERRI_HIGH_M3.items()
         for frequency, density in densities.items()
