@@ -21,7 +21,7 @@ def start_state(
     position_m: float,
     speed_mps: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Record for the compiled routines, coordinates q and velocities v (46,); keep `rail` alive as long as the record.
+    """Record for the compiled routines, coordinates q and velocities v (46,); keep `track` and `rail` alive as long.
 
     Every body stands square to the track at its own place, at the height of static equilibrium on level straight track;
     on rough rails it is moved and rolled as the rails below it are.

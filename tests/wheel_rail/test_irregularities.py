@@ -118,8 +118,8 @@ def test_a_rails_frame_runs_along_the_rail(
     axes = moved[3:12].reshape(3, 3)
     assert axes @ axes.T == pytest.approx(np.eye(3), abs=1e-12)
     assert np.linalg.det(axes) == pytest.approx(1.0)
-    # a millimetre further on the track has turned by 3e-6 rad
-    assert moved[:3] == pytest.approx(place(s_m + ahead), abs=1e-8)
+    # within a millimetre the track turns by 3e-6 rad, on which an offset of some mm is not taken along
+    assert moved[:3] == pytest.approx(place(s_m + ahead), abs=3e-8)
     along = place(s_m + ahead + 1e-4) - place(s_m + ahead - 1e-4)
     assert axes[0] == pytest.approx(along / np.linalg.norm(along), abs=1e-5)
 
