@@ -39,6 +39,10 @@ def change_paths(tree: Tree, change: Change) -> None:
     for rail in (*_entries(adhesion, "stretches"), *_entries(adhesion, "patches")):
         _change(rail, "file", change)
         _change(rail, "recovery", change, _is_toml)
+    track = table_of(tree, "track")
+    _change(track, "curves_file", change)
+    _change(track, "gradients_file", change)
+    _change(table_of(track, "irregularities"), "file", change)
     estimators = table_of(tree, "estimators")
     if isinstance(estimators.get("names"), list):
         estimators["names"] = [_changed(name, change, _is_python) for name in estimators["names"]]

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from scenarios.compile_cache import source_fingerprint
+from scenarios.cosimulation.line import track_of
 from scenarios.cosimulation.simulation import simulate
 from scenarios.errors import RunFailed, RunInterrupted, SolveFailed
 from scenarios.metrics import estimator_errors, estimator_metrics, metrics_tree, stop_metrics, wheelset_metrics
@@ -146,6 +147,7 @@ def _fill(
                 observed.estimates,
                 errors,
                 adhesion_along_rail(scenario, truth),
+                track_of(scenario).irregularities,
             )
     return metrics, truth.solve, pictures
 

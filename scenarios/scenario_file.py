@@ -138,8 +138,9 @@ def _contradictions(scenario: Scenario, merged: Merged) -> Iterator[Fault]:
     try:
         line = Line(scenario)
     except ValueError as error:
-        # wheel_rail knows the contact, but not that it stands among the coach's parameters
-        within = "coach." if str(error).startswith("contact.") else ""
+        # wheel_rail knows contact and irregularities, but not the sections in which they stand
+        sections = {"contact.": "coach.", "irregularities.": "track."}
+        within = next((section for key, section in sections.items() if str(error).startswith(key)), "")
         yield table_fault(merged, (), f"{within}{error}")
     else:
         first_m, last_m = line.places_m

@@ -13,8 +13,9 @@ from vehicle.suspension import add_suspension, body_frames
 from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_memory import recall_friction
 from wheel_rail.adhesion_state import RailTables
-from wheel_rail.compiled import Array, Record, compiled
+from wheel_rail.compiled import Array, Record, array_at, compiled
 from wheel_rail.contact import flange_force, wheel_contact
+from wheel_rail.irregularities import displaced_frame, rail_offsets
 from wheel_rail.track import track_frame
 
 GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, TRACK_BRAKE, GYROSCOPIC = range(CLASSES)
@@ -55,17 +56,24 @@ def wheelset_contact(
     for k in range(7):
         normal[k] = 0.0
         creep[k] = 0.0
-    frame = coach.frame[i]
+    left = right = coach.frame[i]
+    if coach.offset_nodes > 0:
+        offsets = coach.offsets
+        table = array_at(coach.offsets_at, (coach.offset_nodes, 8))
+        rail_offsets(coach.s[i], coach.offset_first_m, coach.offset_cell_m, table, offsets)
+        left, right = coach.rail_frame[i, 0], coach.rail_frame[i, 1]
+        displaced_frame(position, coach.frame[i], offsets, 0, left)
+        displaced_frame(position, coach.frame[i], offsets, 1, right)
     contact = coach.contact
     wheel_contact(
-        1, position, axle, velocity, carrier, spin_radps, frame, contact, coach.condition[0, i], normal, creep,
+        1, position, axle, velocity, carrier, spin_radps, left, contact, coach.condition[0, i], normal, creep,
         report[0],
     )  # fmt: skip
     wheel_contact(
-        -1, position, axle, velocity, carrier, spin_radps, frame, contact, coach.condition[1, i], normal, creep,
+        -1, position, axle, velocity, carrier, spin_radps, right, contact, coach.condition[1, i], normal, creep,
         report[1],
     )  # fmt: skip
-    flange_force(position, frame, contact, normal)
+    flange_force(position, left, right, contact, normal)
     for force in (normal, creep):
         a, b, c = force[3], force[4], force[5]
         for j in range(3):

@@ -21,6 +21,7 @@ from wheel_rail.contact import (
     SECANT,
     TANGENT,
     UPWARDS,
+    lateral_offset,
 )
 
 
@@ -117,12 +118,14 @@ def _add_contact(
 @compiled
 def _add_flange(i: int, q: Array, factor_q: float, coach: Record, jacobian: Array) -> None:
     """The flange's lateral stop of wheelset i, at rail level."""
-    frame = coach.frame[i]
     at = 18 + 6 * i
-    offset = (q[at] - frame[0]) * frame[6] + (q[at + 1] - frame[1]) * frame[7] + (q[at + 2] - frame[2]) * frame[8]
+    frame = coach.rail_frame[i, 0] if coach.offset_nodes > 0 else coach.frame[i]
     contact = coach.contact
-    if abs(offset) <= contact.flange_clearance_m:
-        return
+    if lateral_offset(q[at : at + 3], frame) <= contact.flange_clearance_m:
+        if coach.offset_nodes > 0:
+            frame = coach.rail_frame[i, 1]
+        if lateral_offset(q[at : at + 3], frame) >= -contact.flange_clearance_m:
+            return
     row = coach.probe_rows[0]
     radius = contact.radius_m
     _row(row, frame[6], frame[7], frame[8], -radius * frame[9], -radius * frame[10], -radius * frame[11],

@@ -61,6 +61,11 @@ COACH = np.dtype(
         ("solver_at", "i8", (4,)),
         ("track_at", "i8"),
         ("track_nodes", "i8"),
+        # table of the rails' irregularities, its nodes (0 on smooth rails), their first place and spacing
+        ("offsets_at", "i8"),
+        ("offset_nodes", "i8"),
+        ("offset_first_m", "f8"),
+        ("offset_cell_m", "f8"),
         ("rail", RAIL),
         ("actuation_at", "i8"),
         # what changes from step to step
@@ -105,6 +110,8 @@ COACH = np.dtype(
         ("probe_map", "f8", (12,)),
         ("probe_wheelset", "f8", (2, 7)),
         ("probe_rows", "f8", (6, 7)),
+        ("offsets", "f8", (8,)),
+        ("rail_frame", "f8", (4, 2, 14)),  # the track as the rail under each wheel has it; on rough rails only
     ]
 )
 

@@ -10,8 +10,10 @@ from wheel_rail.adhesion import REFERENCE_LOAD_N, REFERENCE_SPEED_MPS, Adhesion,
 from wheel_rail.adhesion_state import RailState
 from wheel_rail.contact_parameters import ContactParameters
 from wheel_rail.contact_table import CONTACT, Contact
+from wheel_rail.irregularities import Irregularities
 from wheel_rail.polach import SURFACES
-from wheel_rail.track import Track, TrackParameters
+from wheel_rail.track import Track
+from wheel_rail.track_parameters import TrackParameters
 
 __all__ = [
     "CONTACT",
@@ -22,6 +24,7 @@ __all__ = [
     "AdhesionParameters",
     "Contact",
     "ContactParameters",
+    "Irregularities",
     "RailState",
     "Track",
     "TrackParameters",

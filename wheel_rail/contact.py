@@ -199,12 +199,25 @@ def wheel_contact(
     report[SLIDE_POWER] = -(along_rail * slide_c + across * slide_l)
 
 
-@compiled
-def flange_force(position: Array, frame: Array, constants: Record, normal: Array) -> None:
-    """Add the flange's lateral stop to `normal` (7,): an elastic force along the track's lateral axis."""
-    offset = (
+@inlined
+def lateral_offset(position: Array, frame: Array) -> float:
+    """How far `position` lies to the left of the track frame's origin."""
+    return (
         (position[0] - frame[0]) * frame[6] + (position[1] - frame[1]) * frame[7] + (position[2] - frame[2]) * frame[8]
     )
+
+
+@compiled
+def flange_force(position: Array, left: Array, right: Array, constants: Record, normal: Array) -> None:
+    """Add the flanges' lateral stops to `normal` (7,): an elastic force along the track's lateral axis.
+
+    `left`, `right` (14,): the track as the rail has it towards which the wheelset is displaced.
+    """
+    frame = left
+    offset = lateral_offset(position, left)
+    if offset < constants.flange_clearance_m:
+        frame = right
+        offset = min(lateral_offset(position, right), 0.0)
     play = abs(offset) - constants.flange_clearance_m
     if play > 0.0:
         force = -math.copysign(constants.flange_stiffness_npm * play, offset)

@@ -17,7 +17,7 @@ from wheel_rail.creep_laws import CREEP_LAWS, EXTRA, LawInForce
 from wheel_rail.hertz import elliptic_contact
 from wheel_rail.kalker import creep_coefficients
 from wheel_rail.profiles import rail_profile, wheel_profile
-from wheel_rail.track import RAIL_SPACING_M
+from wheel_rail.track_parameters import RAIL_SPACING_M
 
 NODES = 201
 COLUMNS = 12

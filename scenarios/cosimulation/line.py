@@ -7,8 +7,14 @@ from scenarios.schema import Scenario
 from sensors import random_stream
 from wheel_rail import Adhesion, Contact, RailState, Track
 
-# number of the random stream that hangs on the world seed
+# numbers of the random streams that hang on the world seed
 RAIL_STREAM = 100
+IRREGULARITY_STREAM = 101
+
+
+def track_of(scenario: Scenario) -> Track:
+    """The track of a scenario; raises ValueError with the key of what does not fit."""
+    return Track(scenario.track, random_stream(scenario.scenario.world_seed, IRREGULARITY_STREAM, 0))
 
 
 class Line:
@@ -24,7 +30,7 @@ class Line:
         self.reach_m = 0.5 * (coach.bogie_distance_m + coach.wheelbase_m)
         radius_m = 0.5 * coach.wheelset.wheel_diameter_m
         self.contact = Contact(coach.contact, radius_m, coach.static_wheel_load_n, scenario.creep_law.in_force())
-        self.track = Track(scenario.track)
+        self.track = track_of(scenario)
         self.adhesion = Adhesion(
             scenario.adhesion,
             scenario.track.length_m,

@@ -18,6 +18,7 @@ from scenarios.metrics import EstimatorErrors
 from scenarios.rail_adhesion import RailAdhesion
 from scenarios.truth import Truth
 from sensors import BaliseReadings, ImuParameters, ImuReadings
+from wheel_rail import Irregularities
 
 __all__ = ["write_figures"]
 
@@ -31,6 +32,7 @@ def write_figures(
     estimates: Mapping[str, EstimateStream],
     errors: Mapping[str, EstimatorErrors],
     rail: RailAdhesion,
+    irregularities: Irregularities | None = None,
 ) -> list[str]:
     """Draw the run into `folder` as PNG files and return their names, in the order in which one looks at them."""
     drawings: dict[str, Callable[[], Figure]] = {
@@ -38,7 +40,7 @@ def write_figures(
         "slip-and-adhesion.png": partial(draw_slip_and_adhesion, truth),
         "estimates.png": partial(draw_estimates, truth.motion, balises, estimates, errors),
         "imu.png": partial(draw_imu, truth.motion, imu, mounting),
-        "line.png": partial(draw_line, truth, balises),
+        "line.png": partial(draw_line, truth, balises, irregularities),
         "rail.png": partial(draw_rail, truth, rail),
     }
     folder.mkdir(exist_ok=True)

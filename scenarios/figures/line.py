@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -10,15 +11,22 @@ from scenarios.metrics import stop_span
 from scenarios.truth import Truth
 from scenarios.units import KMH_PER_MPS
 from sensors.readings import BaliseReadings
+from wheel_rail import Irregularities
+from wheel_rail.irregularity_spectra import QUANTITIES
 
 MARK_COLOUR = "#d62728"
 
 
-def draw_line(truth: Truth, balises: BaliseReadings) -> Figure:
-    """Marked: where the brake was demanded, where the coach stopped, where balises were read."""
+def draw_line(truth: Truth, balises: BaliseReadings, irregularities: Irregularities | None = None) -> Figure:
+    """Marked: where the brake was demanded, where the coach stopped, where balises were read.
+
+    Rough rails have two panels more: what is felt in height and sideways, and what turns and squeezes wheelsets.
+    """
     motion, wheelsets = truth.motion, truth.wheelsets
-    figure, panels = new_figure("The line and the run over it", 8.2, rows=5, height_ratios=[1.4, 1.4, 1.0, 1.0, 1.0])
-    speed, adhesion, gradient, curvature, cant = panels
+    heights = [1.4, 1.4, 1.0, 1.0, 1.0] + ([] if irregularities is None else [1.2, 1.2])
+    height_in = 0.9 + 1.26 * sum(heights)
+    figure, panels = new_figure("The line and the run over it", height_in, rows=len(heights), height_ratios=heights)
+    speed, adhesion, gradient, curvature, cant = panels[:5]
     position_m = motion.position_m
     plot(speed, position_m, KMH_PER_MPS * motion.speed_mps, color=TRUE_COLOUR)
     plot(adhesion, wheelsets.position_m[:, 0], wheelsets.peak_adhesion[:, 0], color=AXLE_COLOURS[0])
@@ -33,13 +41,27 @@ def draw_line(truth: Truth, balises: BaliseReadings) -> Figure:
     cant.set_ylabel("cant  mm")
     for axes, signs in ((gradient, "uphill"), (curvature, "to the left"), (cant, "right rail raised")):
         axes.text(0.995, 0.9, f"positive: {signs}", transform=axes.transAxes, ha="right", va="top", fontsize=8)
-    cant.set_xlabel("position  m")
+    if irregularities is not None:
+        _draw_irregularities(panels[5], panels[6], irregularities, position_m)
+    panels[-1].set_xlabel("position  m")
     mark_stop(panels, truth)
     for axes in panels:
         for k, told_m in enumerate(balises.position_m):
             axes.axvline(told_m, color="grey", linestyle=":", linewidth=0.9, label="balise" if k == 0 else None)
     legend(speed, place="lower left")
     return figure
+
+
+def _draw_irregularities(mean: Axes, difference: Axes, rough: Irregularities, position_m: np.ndarray) -> None:
+    """The four quantities of the rails that the coach ran over."""
+    place_m = rough.position_m
+    rows = (place_m >= position_m.min()) & (place_m <= position_m.max())
+    for axes, columns in ((mean, (0, 1)), (difference, (2, 3))):
+        for k in columns:
+            look = {"color": AXLE_COLOURS[k], "linewidth": 0.7, "label": QUANTITIES[k].replace("_", " ")}
+            plot(axes, place_m[rows], 1e3 * rough.values_m[rows, k], **look)
+        axes.set_ylabel("rails  mm")
+        legend(axes, columns=2, place="upper right")
 
 
 def mark_stop(panels: Iterable[Axes], truth: Truth) -> None:

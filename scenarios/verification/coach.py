@@ -56,7 +56,7 @@ def _parameters() -> CoachParameters:
     return _scenario().coach
 
 
-def _run(
+def run_coach(
     line: Line,
     coach: CoachParameters,
     *,
@@ -84,13 +84,15 @@ def _run(
 
 def _standing_load_kn() -> float:
     """Mean over the eight wheels of a coach that has stood for a while on level track."""
-    rows = _run(Line(_scenario()), _parameters(), duration_s=2.0, speed_mps=0.0, brake_torque_nm=(FULL_BRAKE_NM,) * 4)
+    rows = run_coach(
+        Line(_scenario()), _parameters(), duration_s=2.0, speed_mps=0.0, brake_torque_nm=(FULL_BRAKE_NM,) * 4
+    )
     return float(rows["normal_force_n"][-1].mean() / 1e3)
 
 
 def _dry_deceleration_mps2() -> float:
     """Slope of the speed over the half second about the speed where it is measured."""
-    rows = _run(
+    rows = run_coach(
         Line(_scenario()),
         _parameters(),
         duration_s=12.0,
@@ -113,7 +115,7 @@ def _expected_deceleration_mps2() -> float:
 
 def _time_to_lock_s(step_s: float) -> float:
     """One wheelset braked beyond a friction that is the same at every slip; the others roll."""
-    rows = _run(
+    rows = run_coach(
         Line(_scenario(rail=CONSTANT)),
         _parameters(),
         duration_s=6.0,
@@ -141,7 +143,7 @@ def _expected_time_to_lock_s() -> float:
 
 def _parked_creep_mm() -> float:
     """How far the carbody or any wheelset is ever found from where it was left."""
-    rows = _run(
+    rows = run_coach(
         Line(_scenario(PARKED_GRADIENT_PERMILLE)),
         _parameters(),
         duration_s=PARKED_S,
@@ -156,7 +158,7 @@ def _energy_kept() -> float:
     """What a sliding coach leaves on the rail over the work of its creep forces."""
     scenario = _scenario(rail=RECOVERING)
     line = Line(scenario)
-    rows = _run(
+    rows = run_coach(
         line,
         scenario.coach,
         duration_s=SLIDE_S,

@@ -9,7 +9,8 @@ from scenarios.verification.case import Case
 from wheel_rail import Track, TrackParameters
 from wheel_rail.contact import REPORT, wheel_contact
 from wheel_rail.recovery import CONDITION, DEGRADED, RECOVERED
-from wheel_rail.track import RAIL_SPACING_M, track_frame
+from wheel_rail.track import track_frame
+from wheel_rail.track_parameters import RAIL_SPACING_M
 
 SPEED_MPS = 10.0
 # displacement (m), yaw (rad) and their rates; small against the creepage at which friction begins to saturate

@@ -69,7 +69,7 @@ def make_bench(parameters: CoachParameters) -> MakeBench:
         contact_parameters = parameters.contact.model_copy(update={"geometry": geometry})
         coach = parameters.model_copy(update={"contact": contact_parameters})
         track_parameters = TrackParameters.model_validate({"length_m": 4000.0, **line})
-        track = Track(track_parameters)
+        track = Track(track_parameters, np.random.default_rng(1))
         contact = Contact(coach.contact, 0.5 * coach.wheelset.wheel_diameter_m, coach.static_wheel_load_n)
         found = AdhesionParameters.model_validate(
             {"stretches": [{"from_m": 0.0, "surface": surface, "peak_adhesion": peak_adhesion}]}

@@ -1,0 +1,151 @@
+"""Irregularities of the rails: drawn from a spectrum or measured, as offsets of each rail that wheels run over.
+
+Between its nodes the table is read as cubic splines, so that slopes and curvatures of the rails have no jumps: on a
+contact as stiff as 1e8 N/m a kink would be a blow.
+"""
+
+import math
+from typing import Self
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.signal import oaconvolve
+
+from wheel_rail.compiled import Array, compiled
+from wheel_rail.irregularity_files import read_measured
+from wheel_rail.irregularity_parameters import IrregularityParameters
+from wheel_rail.irregularity_spectra import QUANTITIES, SPECTRA, Spectrum
+
+# columns of the table: lateral (to the left) and vertical (up) offset of the left, then of the right rail; their slopes
+OFFSETS = 4
+_EDGE = 1.25  # over this ratio of wavelengths the amplitude falls to nothing at either end of the band
+_KERNEL_WAVES = 32  # length of the filter in longest wavelengths
+_SMOOTHEST_FADE = np.polynomial.Polynomial([0.0, 0.0, 0.0, 10.0, -15.0, 6.0])  # no jump of slope or curvature
+
+
+class Irregularities:
+    """Values of the four quantities at nodes of equal spacing, and the rails' offsets made of them.
+
+    `values_m` (n, 4): longitudinal level, alignment, cross level, gauge (see `irregularity_spectra`); `table` (n, 8):
+    offsets in m and their slopes, to be read by the compiled `rail_offsets`; nothing beyond its ends.
+    """
+
+    def __init__(self, first_m: float, cell_m: float, values_m: np.ndarray) -> None:
+        self.first_m = first_m
+        self.cell_m = cell_m
+        self.values_m = values_m
+        level, alignment, cross, gauge = values_m.T
+        offsets = np.stack(
+            [alignment + 0.5 * gauge, level - 0.5 * cross, alignment - 0.5 * gauge, level + 0.5 * cross], axis=1
+        )
+        slopes = CubicSpline(cell_m * np.arange(len(offsets)), offsets, bc_type="clamped").derivative()
+        self.table = np.concatenate([offsets, slopes(cell_m * np.arange(len(offsets)))], axis=1)
+
+    @property
+    def position_m(self) -> np.ndarray:
+        """Places of the nodes along the track."""
+        return self.first_m + self.cell_m * np.arange(len(self.values_m))
+
+    @classmethod
+    def of(cls, parameters: IrregularityParameters, length_m: float, rng: np.random.Generator | None) -> Self:
+        """Those of a line of that length.
+
+        Raises ValueError, with the key, if the file does not fit or there is no random stream to draw from.
+        """
+        begin_m, end_m = parameters.span_m(length_m)
+        if parameters.file is not None:
+            key = f"irregularities.file = {parameters.file}"
+            position_m, values_m = read_measured(parameters.file, key)
+            cell_m = float((position_m[-1] - position_m[0]) / (len(position_m) - 1))
+            if position_m[0] > begin_m + cell_m or position_m[-1] < end_m - cell_m:
+                raise ValueError(
+                    f"{key}: measured from {position_m[0]:g} to {position_m[-1]:g} m, asked for from "
+                    f"from_m = {begin_m:g} to to_m = {end_m:g}"
+                )
+            first_m = float(position_m[0])
+        elif rng is not None and parameters.spectrum is not None:
+            first_m, cell_m = 0.0, parameters.cell_m
+            values_m = drawn(SPECTRA[parameters.spectrum], parameters, length_m, rng)
+        else:
+            raise ValueError("irregularities.spectrum: is drawn at random; a random stream is needed")
+        places = first_m + cell_m * np.arange(len(values_m))
+        # down to nothing at the outermost nodes in any case, beyond which the rails are smooth
+        begin_m, end_m = max(begin_m, first_m), min(end_m, float(places[-1]))
+        inside = np.clip(np.minimum(places - begin_m, end_m - places) / parameters.fade_m, 0.0, 1.0)
+        return cls(first_m, cell_m, parameters.scale * _SMOOTHEST_FADE(inside)[:, None] * values_m)
+
+
+def drawn(
+    spectrum: Spectrum, parameters: IrregularityParameters, length_m: float, rng: np.random.Generator
+) -> np.ndarray:
+    """The four quantities (n, 4) in m at nodes from 0 to `length_m`, `parameters.cell_m` apart.
+
+    White noise, drawn from place to place, through a filter whose gain is the root of the spectrum. A longer line has
+    the same rails as far as a shorter one goes (to rounding).
+    """
+    cell_m = parameters.cell_m
+    count = math.ceil(length_m / cell_m) + 1
+    taps = 2 * round(0.5 * _KERNEL_WAVES * parameters.longest_wavelength_m / cell_m)
+    frequency = np.fft.rfftfreq(taps, cell_m)
+    gain = _band(frequency, 1.0 / parameters.longest_wavelength_m, 1.0 / parameters.shortest_wavelength_m)
+    white = rng.standard_normal((count + taps, len(QUANTITIES)))
+    values = np.empty((count, len(QUANTITIES)))
+    for k, quantity in enumerate(QUANTITIES):
+        density = np.zeros_like(frequency)
+        density[1:] = spectrum.per_cycle(quantity, frequency[1:])
+        # white noise of unit variance has the one-sided density 2 cell_m
+        kernel = np.fft.fftshift(np.fft.irfft(gain * np.sqrt(density / (2.0 * cell_m)), taps))
+        values[:, k] = oaconvolve(white[:, k], kernel, mode="valid")[:count]
+    return values
+
+
+def _band(frequency: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Gain 1 from `low` to `high`, falling as half a cosine of the logarithm to 0 a factor `_EDGE` further."""
+    with np.errstate(divide="ignore"):
+        beyond = np.maximum(np.log(low / frequency), np.log(frequency / high)) / math.log(_EDGE)
+    return 0.5 + 0.5 * np.cos(np.pi * np.clip(beyond, 0.0, 1.0))
+
+
+@compiled
+def rail_offsets(s_m: float, first_m: float, cell_m: float, table: Array, offsets: Array) -> None:
+    """Write the offsets at s into `offsets` (8,), in the order of the table's columns; zero beyond the table."""
+    u = (s_m - first_m) / cell_m
+    if u < 0.0 or u >= table.shape[0] - 1:
+        for j in range(8):
+            offsets[j] = 0.0
+        return
+    k = int(u)
+    u -= k
+    p, q = table[k], table[k + 1]
+    h01 = u * u * (3.0 - 2.0 * u)
+    h10 = u * (1.0 - u) * (1.0 - u) * cell_m
+    h11 = u * u * (u - 1.0) * cell_m
+    d01 = 6.0 * u * (1.0 - u) / cell_m
+    d10 = 1.0 - 4.0 * u + 3.0 * u * u
+    d11 = 3.0 * u * u - 2.0 * u
+    for j in range(4):
+        offsets[j] = p[j] + h01 * (q[j] - p[j]) + h10 * p[4 + j] + h11 * q[4 + j]
+        offsets[4 + j] = d01 * (q[j] - p[j]) + d10 * p[4 + j] + d11 * q[4 + j]
+
+
+@compiled
+def displaced_frame(position: Array, track: Array, offsets: Array, rail: int, frame: Array) -> None:
+    """Write into `frame` (14,) the track frame `track` (14,) displaced and turned as one rail has it (0 left, 1 right).
+
+    `offsets` (8,) are those of `rail_offsets` at the place of `position` (3,), which lies up to a millimetre before or
+    behind the track frame's origin: the origin is brought abreast of it, for on a slope of the rail that is a height.
+    """
+    aside, up = offsets[2 * rail], offsets[2 * rail + 1]
+    turn, climb = offsets[4 + 2 * rail], offsets[5 + 2 * rail]
+    tx, ty, tz = track[3], track[4], track[5]
+    ahead = (position[0] - track[0]) * tx + (position[1] - track[1]) * ty + (position[2] - track[2]) * tz
+    scale = 1.0 / math.sqrt(1.0 + turn * turn + climb * climb)
+    across = 1.0 / math.sqrt(1.0 + turn * turn)
+    for j in range(3):
+        frame[j] = track[j] + ahead * track[3 + j] + aside * track[6 + j] + up * track[9 + j]
+        frame[3 + j] = (track[3 + j] + turn * track[6 + j] + climb * track[9 + j]) * scale
+        frame[6 + j] = (track[6 + j] - turn * track[3 + j]) * across
+    frame[9] = frame[4] * frame[8] - frame[5] * frame[7]
+    frame[10] = frame[5] * frame[6] - frame[3] * frame[8]
+    frame[11] = frame[3] * frame[7] - frame[4] * frame[6]
+    frame[12], frame[13] = track[12], track[13]
