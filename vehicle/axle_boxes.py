@@ -5,8 +5,8 @@ axle, and by its swing arm, if it has one, on a bushing `length_m` from the axle
 
 Lumped, the box goes with its wheelset, and spring and arm become one spring at the axle: in the plane they act in
 parallel; vertically the arm turns about its bushing by z/length, so that besides the coil spring only what resists
-turning counts, 1/(1/kz + length^2/(k_coil + k_bushing)). That the bushing guides the box from beside the axle, and the
-inertia of the turning arm, are lost in it.
+turning counts, 1/(1/kz + length^2/(k_coil + k_bushing)); the pitch of the box is held by the bushing's kz length^2.
+That the bushing guides the box from beside the axle, and that the arm turns, are lost in it.
 """
 
 from typing import Annotated, Literal
@@ -95,4 +95,5 @@ def lumped_stage(
     turning = 1.0 / (1.0 / arm.stiffness_npm[2] + lever / kr[1]) if kr[1] > 0.0 else 0.0
     k = k + np.array([*arm.stiffness_npm[:2], turning])
     c = c + np.array([*arm.damping_nspm[:2], cr[1] / lever])
+    kr[1], cr[1] = lever * arm.stiffness_npm[2], lever * arm.damping_nspm[2]
     return k, c, kr, cr

@@ -84,14 +84,14 @@ def _axle_boxes(coach: "CoachParameters") -> Iterator[str]:
         yield f"axle_box.swing_arm.length_m = {arm.length_m}: must be below half of wheelbase_m = {coach.wheelbase_m}"
     if coach.axle_boxes == "explicit" and box.bearing is None:
         yield "axle_box.bearing: is missing, which explicit axle boxes need"
-    held = coach.primary.rotational_stiffness_nmprad[1] + (arm.rotational_stiffness_nmprad[1] if arm else 0.0)
-    damped = coach.primary.rotational_damping_nmsprad[1] + (arm.rotational_damping_nmsprad[1] if arm else 0.0)
+    held = coach.primary.rotational_stiffness_nmprad[1] if arm is None else arm.stiffness_npm[2]
+    damped = coach.primary.rotational_damping_nmsprad[1] if arm is None else arm.damping_nspm[2]
     if held == 0.0 or damped == 0.0:
         key = f"rotational_{'stiffness_nmprad' if held == 0.0 else 'damping_nmsprad'}"
-        yield (
-            f"primary.{key} = {list(getattr(coach.primary, key))}: nothing about y, nor in axle_box.swing_arm: "
-            f"the pitch of the axle boxes would not be {'held' if held == 0.0 else 'damped, and grow in curves'}"
-        )
+        given = f"primary.{key} = {list(getattr(coach.primary, key))}: nothing about y"
+        if arm is not None:
+            given = f"axle_box.swing_arm.damping_nspm = {list(arm.damping_nspm)}: nothing along z"
+        yield f"{given}: the pitch of the axle boxes would not be {'held' if held == 0.0 else 'damped'}"
 
 
 def _wheels(coach: "CoachParameters") -> Iterator[str]:

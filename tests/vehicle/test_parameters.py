@@ -81,8 +81,8 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"yaw_dampers.damper": "yaw-dampr"}, "yaw_dampers.damper = 'yaw-dampr': no such characteristic; there are prim"),
     ({"secondary.lateral_stop": "yaw-damper"}, "secondary.lateral_stop = 'yaw-damper': must be .* over deflection_m"),
     ({"primary.rotational_stiffness_nmprad": [0, 0, 0], "axle_box.swing_arm": None}, "pitch of the axle boxes .* held"),
-    ({"axle_box.swing_arm.rotational_damping_nmsprad": [0, 0, 0]}, "would not be damped, and grow in curves"),
-    ({"axle_box.swing_arm.damping_nspm": [15e3, 0, 0]}, "primary.damping_nspm .* lateral swaying of wheelsets"),
+    ({"axle_box.swing_arm.damping_nspm": [15e3, 2e3, 0]}, "swing_arm.damping_nspm .* pitch of .* would not be damped"),
+    ({"axle_box.swing_arm.damping_nspm": [15e3, 0, 4e3]}, "primary.damping_nspm .* lateral swaying of wheelsets"),
     (
         {"secondary.lateral_damper": None},
         "secondary.damping_nspm .* lateral axis.*: sway and yaw of the body would not",
