@@ -12,7 +12,7 @@ from vehicle.coach import SolverFailure
 from vehicle.exudyn_system import assemble, load_exudyn, solver_settings
 from vehicle.forces import coach_force, wheelset_contact
 from vehicle.jacobian import coach_jacobian
-from vehicle.layout import COORDINATES, SPIN
+from vehicle.layout import SPIN
 from vehicle.start import start_state
 from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Record, compiled
@@ -32,14 +32,14 @@ class BenchCoach:
         self._line = line
         self._calls = _CONTACT_CALLS[law]
         self.record, self.q, self.v = start_state(scenario.coach, contact, line.track, line.rail, position_m, SPEED_MPS)
-        self.v[SPIN:] *= 1.0 - SLIP
+        self.v[SPIN : SPIN + 4] *= 1.0 - SLIP
         self.force_s(1)  # rail condition, frames and rotations are those of the place from here on
         _contacts(1, self.q, self.v, self.record)
 
     def force_s(self, calls: int = _FORCE_CALLS) -> float:
         """Time of one evaluation of all forces."""
         line = self._line
-        f = np.empty(COORDINATES)
+        f = np.empty(len(self.q))
         start = time.perf_counter()
         _forces(calls, self.q, self.v, f, self.record, line.track.table, line.rail)
         return (time.perf_counter() - start) / calls
@@ -60,7 +60,7 @@ class BenchCoach:
         def newton_jacobian(
             _mbs: Any, _t: float, _item: int, _q: np.ndarray, _v: np.ndarray, factor_q: float, factor_v: float
         ) -> Any:
-            jacobian = np.zeros((COORDINATES, COORDINATES))
+            jacobian = np.zeros((len(self.q), len(self.q)))
             coach_jacobian(self.q, self.v, factor_q, factor_v, self.record, jacobian)
             sparse = exu.MatrixContainer()
             sparse.SetWithDenseMatrix(jacobian, False)

@@ -148,6 +148,10 @@ def _contradictions(scenario: Scenario, merged: Merged) -> Iterator[Fault]:
             source = merged.origin(("simulation", "initial_position_m"))
             key = f"simulation.initial_position_m = {simulation.initial_position_m}"
             yield Fault(source, key, f"the whole coach must stand on the track: {first_m} to {last_m} m")
+    try:
+        _ = scenario.brake_at_load
+    except ValueError as error:
+        yield table_fault(merged, ("brake",), str(error))
     yield from _controller_faults(scenario, merged)
     reference = scenario.wsp.reference_estimator
     if reference is not None and reference not in scenario.estimators.names:

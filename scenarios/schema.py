@@ -134,6 +134,11 @@ class Scenario(Section):
         return self.scenario.name
 
     @property
+    def brake_at_load(self) -> BrakeParameters:
+        """The brake as the coach's load sets it. Raises ValueError where that asks for more than the air supplies."""
+        return self.brake.at_load(self.coach.load_ratio)
+
+    @property
     def onboard_seed(self) -> int:
         """Seed of IMU, balises and starting position: an estimator in the loop lets them shape the truth."""
         return self.scenario.sensor_seed if self.wsp.reference_estimator is None else self.scenario.world_seed

@@ -34,7 +34,7 @@ def shortest_stop(scenario: Scenario, truth: Truth, begin: int | None = None) ->
         start = begin
     line = Line(scenario)
     coach = scenario.coach
-    brake = Brake(scenario.brake, _STEP_S)
+    brake = Brake(scenario.brake_at_load, _STEP_S)
     motion = truth.motion
     # the demand as it was given; held at its last value should this stop take longer
     before_s = motion.t_s[start] - motion.t_s[0]

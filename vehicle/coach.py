@@ -1,4 +1,4 @@
-"""The coach as an Exudyn system: seven rigid bodies and four spinning wheelsets, solved in one run with a callback.
+"""The coach as an Exudyn system: rigid bodies and four spinning wheelsets, solved in one run with a callback.
 
 Exudyn holds masses and coordinates and integrates (generalised-alpha); all forces come from the compiled routine of
 `vehicle.forces`. Each step is one linearised solve (no Newton iteration) with the Jacobian refreshed when it has aged.
@@ -24,7 +24,7 @@ import numpy as np
 from vehicle.exudyn_system import assemble, load_exudyn, solver_settings
 from vehicle.forces import coach_force
 from vehicle.jacobian import coach_jacobian
-from vehicle.layout import ACTUATION, COORDINATES, SPIN
+from vehicle.layout import ACTUATION, SPIN
 from vehicle.observation import OBSERVATION, observe
 from vehicle.parameters import CoachParameters
 from vehicle.start import start_state
@@ -67,8 +67,8 @@ class CoachState:
         self._velocity = v[:3]
         self._place = record["s"][0]
         self._rows, self._first_row = np.zeros(0, OBSERVATION), 0
-        self.wheel_angle_rad = q[SPIN:]
-        self.wheel_rate_radps = v[SPIN:]
+        self.wheel_angle_rad = q[SPIN : SPIN + 4]
+        self.wheel_rate_radps = v[SPIN : SPIN + 4]
 
     @property
     def position_m(self) -> float:
@@ -187,8 +187,9 @@ class _Run:
         self._lost: str | None = None
         self._step_s = step_s
         self._actuation: Actuation | None = None  # kept alive: the coach reads it by its address
-        force = np.zeros(COORDINATES)
-        jacobian = np.zeros((COORDINATES, COORDINATES))
+        coordinates = int(record[0]["coordinates"])
+        force = np.zeros(coordinates)
+        jacobian = np.zeros((coordinates, coordinates))
         container = sys.modules["exudyn"].MatrixContainer
 
         def newton_jacobian(

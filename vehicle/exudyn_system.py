@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicle.layout import COORDINATES, masses
+from vehicle.layout import masses
 from vehicle.stepping import SPECTRAL_RADIUS
 
 
@@ -22,7 +22,7 @@ def load_exudyn() -> ModuleType:
 
 
 def assemble(mbs: Any, record: np.ndarray, q: np.ndarray, v: np.ndarray) -> int:
-    """Add one node of all coordinates, at q, v (46,), and one object with all masses and forces; returns its number.
+    """Add one node of all coordinates, at q, v, and one object with all masses and forces; returns its number.
 
     The mass matrix is diagonal and constant: velocities are those of the bodies' own axes, and what remains of a rigid
     body, omega x J omega, is among the compiled forces. A node and an object for each body, and Exudyn's Lie-group
@@ -33,14 +33,14 @@ def assemble(mbs: Any, record: np.ndarray, q: np.ndarray, v: np.ndarray) -> int:
     coach = record[0]
     node = mbs.AddNode(
         NodeGenericODE2(
-            referenceCoordinates=[0.0] * COORDINATES,
+            referenceCoordinates=[0.0] * len(q),
             initialCoordinates=[*q],
             initialCoordinates_t=[*v],
-            numberOfODE2Coordinates=COORDINATES,
+            numberOfODE2Coordinates=len(q),
         )
     )
     number: int = mbs.AddObject(
-        ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.diag(masses(coach)), forceVector=np.zeros(COORDINATES))
+        ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.diag(masses(coach)), forceVector=np.zeros(len(q)))
     )
     return number
 

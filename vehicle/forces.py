@@ -9,7 +9,7 @@ import math
 
 from vehicle.layout import CLASSES
 from vehicle.parameters import GRAVITY_MPS2
-from vehicle.suspension import add_suspension, body_frames
+from vehicle.suspension import add_suspension, body_frames, place_of
 from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_memory import recall_friction
 from wheel_rail.adhesion_state import RailTables
@@ -66,12 +66,12 @@ def wheelset_contact(
         displaced_frame(position, coach.frame[i], offsets, 1, right)
     contact = coach.contact
     wheel_contact(
-        1, position, axle, velocity, carrier, spin_radps, left, contact, coach.condition[0, i], normal, creep,
-        report[0],
+        1, position, axle, velocity, carrier, spin_radps, left, contact, coach.condition[0, i],
+        coach.growth[i, 0], normal, creep, report[0],
     )  # fmt: skip
     wheel_contact(
-        -1, position, axle, velocity, carrier, spin_radps, right, contact, coach.condition[1, i], normal, creep,
-        report[1],
+        -1, position, axle, velocity, carrier, spin_radps, right, contact, coach.condition[1, i],
+        coach.growth[i, 1], normal, creep, report[1],
     )  # fmt: skip
     flange_force(position, left, right, contact, normal)
     for force in (normal, creep):
@@ -113,19 +113,39 @@ def _add_track_brake(b: int, v: Array, coach: Record, force: Array) -> None:
 
 
 @compiled
+def _grow_wheels(q: Array, coach: Record) -> None:
+    """How far out of round each wheel is where it touches the rail."""
+    for i in range(4):
+        for side in range(2):
+            growth = coach.growth[i, side]
+            growth[0] = coach.oversize[i, side]
+            growth[1] = 0.0
+            for k in range(coach.harmonics[i, side]):
+                harmonic = coach.harmonic[i, side, k]
+                angle = harmonic[0] * q[42 + i] + harmonic[2]
+                growth[0] += harmonic[1] * math.cos(angle)
+                growth[1] -= harmonic[1] * harmonic[0] * math.sin(angle)
+
+
+@compiled
 def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailTables) -> None:
-    """Fill `coach.force` (CLASSES, 46); needs nothing but the state and the step memory of the brake."""
+    """Fill `coach.force` (CLASSES, coordinates); needs nothing but the state and the step memory of the brake."""
     body_frames(q, v, coach)
     force = coach.force
-    force[:, :] = 0.0
+    for k in range(CLASSES):
+        for j in range(coach.coordinates):
+            force[k, j] = 0.0
     locate(q, coach, track)
-    for i in range(7):
-        force[GRAVITY, 6 * i + 2] = -coach.mass[i] * GRAVITY_MPS2
+    if coach.uneven:
+        _grow_wheels(q, coach)
+    for i in range(coach.bodies):
+        at = place_of(i)
+        force[GRAVITY, at + 2] = -coach.mass[i] * GRAVITY_MPS2
         inertia = coach.inertia[i]
-        x, y, z = v[6 * i + 3], v[6 * i + 4], v[6 * i + 5]
-        force[GYROSCOPIC, 6 * i + 3] = (inertia[1] - inertia[2]) * y * z
-        force[GYROSCOPIC, 6 * i + 4] = (inertia[2] - inertia[0]) * z * x
-        force[GYROSCOPIC, 6 * i + 5] = (inertia[0] - inertia[1]) * x * y
+        x, y, z = v[at + 3], v[at + 4], v[at + 5]
+        force[GYROSCOPIC, at + 3] = (inertia[1] - inertia[2]) * y * z
+        force[GYROSCOPIC, at + 4] = (inertia[2] - inertia[0]) * z * x
+        force[GYROSCOPIC, at + 5] = (inertia[0] - inertia[1]) * x * y
     add_suspension(q, v, coach, force[SUSPENSION])
     # running resistance at the carbody's centre, against its motion along the track
     frame = coach.frame[4]
@@ -156,6 +176,7 @@ def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailT
         for k in range(6):
             force[CONTACT_NORMAL, at + k] = normal[k]
             force[CREEP, at + k] = creep[k]
+        force[CONTACT_NORMAL, spin_at] = normal[6]
         force[CREEP, spin_at] = creep[6]
         # torques on the spinning wheelset react on the bogie that carries caliper and gearbox
         torque, coach.stuck[i] = _brake_torque(i, q[spin_at], spin, coach)
@@ -178,8 +199,8 @@ def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailT
 
 @compiled
 def add_classes(coach: Record, f: Array) -> None:
-    """Sum of the force classes into f (46,)."""
-    for j in range(46):
+    """Sum of the force classes into f (coordinates,)."""
+    for j in range(coach.coordinates):
         total = 0.0
         for k in range(CLASSES):
             total += coach.force[k, j]
@@ -188,7 +209,7 @@ def add_classes(coach: Record, f: Array) -> None:
 
 @compiled
 def coach_force(q: Array, v: Array, f: Array, record: Record, track: Array, rail: RailTables) -> None:
-    """Total generalised force f (46,) at state q, v (46,)."""
+    """Total generalised force f at state q, v, all (coordinates,)."""
     coach = record[0]
     forces_by_class(q, v, coach, track, rail)
     add_classes(coach, f)

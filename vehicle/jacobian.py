@@ -1,8 +1,9 @@
 """The Jacobian that the implicit solver needs, analytic, at the state of the last evaluation of the forces.
 
 It is -(df/dq factor_q + df/dv factor_v); turns are increments in body axes. Left out, because they are small against
-mass over step squared: geometric stiffness, gyroscopic terms of the bodies, the turn of the contact's own axes, and the
-part of spin and of the difference between C11 and C22 in the direction of the creep force.
+mass over step squared: geometric stiffness, gyroscopic terms of the bodies, the turn of the contact's own axes, the
+growing of wheels that are out of round, and the part of spin and of the difference between C11 and C22 in the direction
+of the creep force.
 """
 
 import math
@@ -27,7 +28,7 @@ from wheel_rail.contact import (
 
 @compiled
 def coach_jacobian(q: Array, v: Array, factor_q: float, factor_v: float, record: Record, jacobian: Array) -> None:
-    """Fill `jacobian` (46, 46); q, v (46,) and the record are those of the last evaluation of the forces."""
+    """Fill `jacobian` (square); q, v (coordinates,) and the record are those of the last evaluation of the forces."""
     coach = record[0]
     jacobian[:, :] = 0.0
     add_suspension_jacobian(q, v, coach, factor_q, factor_v, jacobian)

@@ -1,15 +1,18 @@
 """From parameters to the record of numbers that the compiled routines work on.
 
-Bodies: 0 carbody, 1 and 2 bogies, 3..6 wheelsets (carriers that do not spin). Coordinates: six per body, then the four
-spin angles: 46. A body's coordinates are its world position and its turn, the integral of its angular velocity in body
-axes; velocities are world velocity and angular velocity in body axes. A turn has no meaning by itself: what it grows by
-in a step is the rotation vector of that step (the incremental rotation of a Lie-group integrator), and `attitude` is
-where the body had turned to when the turn was `turned`.
+Bodies: 0 carbody, 1 and 2 bogies, 3..6 wheelsets (carriers that do not spin), and with explicit axle boxes 7..14, left
+and right box of each wheelset. Coordinates: six per body 0..6, then the four spin angles, then six per axle box: 46 or
+94, the first 46 the same in both forms. A body's coordinates are its world position and its turn, the integral of its
+angular velocity in body axes; velocities are world velocity and angular velocity in body axes. A turn has no meaning by
+itself: what it grows by in a step is the rotation vector of that step (the incremental rotation of a Lie-group
+integrator), and `attitude` is where the body had turned to when the turn was `turned`.
 """
 
 import numpy as np
 
-from vehicle.parameters import GRAVITY_MPS2, Characteristic, CoachParameters
+from vehicle.elements import CURVE_POINTS, CURVES, ELEMENTS, RUBBING, fill_elements
+from vehicle.parameters import CoachParameters
+from vehicle.wheels import MOST_HARMONICS
 from wheel_rail import CONTACT, Contact
 from wheel_rail.adhesion_memory import MEMORY
 from wheel_rail.adhesion_state import RAIL
@@ -18,25 +21,31 @@ from wheel_rail.contact import REPORT
 from wheel_rail.recovery import CONDITION
 from wheel_rail.sanding import MOST_SANDERS
 
-BODIES = 7
+BODIES = 7  # without axle boxes
 COORDINATES = 46
 SPIN = 42  # first spin coordinate
-ELEMENTS = 20  # 8 primary, 4 secondary, 4 yaw dampers, 2 traction rods, 2 anti-roll bars
-CURVE_POINTS = 12
-CURVES = 7
+MOST_BODIES = 15
+MOST_COORDINATES = 94
 CLASSES = 9  # of forces
 ACTUATION = 10  # brake torque (4) and drive torque (4) of the wheelsets, track brake force (2) of the bogies
 
 COACH = np.dtype(
     [
         # constants
-        ("mass", "f8", (BODIES,)),
-        ("inertia", "f8", (BODIES, 3)),
+        ("bodies", "i8"),
+        ("coordinates", "i8"),
+        ("elements", "i8"),
+        ("mass", "f8", (MOST_BODIES,)),
+        ("inertia", "f8", (MOST_BODIES, 3)),
         ("spin_inertia", "f8"),
         ("resistance", "f8", (3,)),
         ("caliper_stiffness", "f8"),
         ("caliper_damping", "f8"),
         ("contact", CONTACT),
+        ("uneven", "i8"),  # whether any wheel is out of round
+        ("oversize", "f8", (4, 2)),  # radius of each wheel less the nominal one
+        ("harmonics", "i8", (4, 2)),
+        ("harmonic", "f8", (4, 2, MOST_HARMONICS, 3)),  # order, amplitude, phase
         ("upper", "i8", (ELEMENTS,)),
         ("lower", "i8", (ELEMENTS,)),
         ("upper_point", "f8", (ELEMENTS, 3)),
@@ -50,10 +59,13 @@ COACH = np.dtype(
         ("pushes", "i8", (ELEMENTS,)),  # whether it has forces
         ("damper", "i8", (ELEMENTS, 3)),  # index of the curve, -1 for none
         ("stop", "i8", (ELEMENTS, 3)),
-        ("curve_x", "f8", (CURVES, CURVE_POINTS)),
-        ("curve_force", "f8", (CURVES, CURVE_POINTS)),
-        ("curve_slope", "f8", (CURVES, CURVE_POINTS)),  # of the piece that ends at the point
-        ("curve_points", "i8", (CURVES,)),
+        # curves: the side above 0 and the side below, as magnitudes
+        ("curve_x", "f8", (CURVES, 2, CURVE_POINTS)),
+        ("curve_force", "f8", (CURVES, 2, CURVE_POINTS)),
+        ("curve_slope", "f8", (CURVES, 2, CURVE_POINTS)),  # of the piece that ends at the point
+        ("curve_points", "i8", (CURVES, 2)),
+        ("rubbing", "i8", (RUBBING, 2)),  # elements and axes with dry friction
+        ("rubbing_count", "i8"),
         ("bogie_of", "i8", (4,)),
         ("track_brake_arm", "f8"),  # height of a bogie's centre over the rails, m
         ("track_origin_m", "f8"),
@@ -69,8 +81,8 @@ COACH = np.dtype(
         ("rail", RAIL),
         ("actuation_at", "i8"),
         # what changes from step to step
-        ("attitude", "f8", (BODIES, 4)),  # unit quaternion (w, x, y, z) of the last committed rotation
-        ("turned", "f8", (BODIES, 3)),  # turn coordinates at that rotation
+        ("attitude", "f8", (MOST_BODIES, 4)),  # unit quaternion (w, x, y, z) of the last committed rotation
+        ("turned", "f8", (MOST_BODIES, 3)),  # turn coordinates at that rotation
         ("memory", "f8", (2, 4, MEMORY)),  # what each wheel remembers of its friction
         ("passed", "f8", (4,)),  # place up to which each wheelset has left its mark on the rail
         ("sanders", "f8", (MOST_SANDERS, 3)),  # rows of `Sanders.rows`
@@ -82,14 +94,19 @@ COACH = np.dtype(
         ("wind_up", "f8", (4,)),  # elastic angle of a stuck caliper, rad
         ("angle", "f8", (4,)),  # spin angle at which wind_up was taken, rad
         ("steps", "i8"),
-        ("last_v", "f8", (COORDINATES,)),
-        ("algorithmic", "f8", (COORDINATES,)),  # accelerations of the generalised-alpha method
-        ("ahead_q", "f8", (COORDINATES,)),  # the predictor
-        ("ahead_v", "f8", (COORDINATES,)),
+        ("last_v", "f8", (MOST_COORDINATES,)),
+        ("algorithmic", "f8", (MOST_COORDINATES,)),  # accelerations of the generalised-alpha method
+        ("ahead_q", "f8", (MOST_COORDINATES,)),  # the predictor
+        ("ahead_v", "f8", (MOST_COORDINATES,)),
         # worked out in every evaluation
-        ("rotation", "f8", (BODIES, 3, 3)),
-        ("rate", "f8", (BODIES, 3)),  # angular velocity in the world
+        ("rotation", "f8", (MOST_BODIES, 3, 3)),
+        ("rate", "f8", (MOST_BODIES, 3)),  # angular velocity in the world
         ("frame", "f8", (5, 14)),
+        (
+            "growth",
+            "f8",
+            (4, 2, 2),
+        ),  # of each wheel's radius over the nominal one where it touches, and per rad of turn
         ("along", "f8", (4,)),  # speed of the wheelsets along the track
         ("condition", "f8", (2, 4, CONDITION)),  # of the rail under each wheel
         ("report", "f8", (4, 2, REPORT)),
@@ -101,11 +118,12 @@ COACH = np.dtype(
         ("old_slide", "f8", (4, 2)),  # of the last step
         ("old_touch", "f8", (4, 2)),
         ("old_stuck", "f8", (4,)),
+        ("old_rubbing", "f8", (RUBBING,)),  # slopes of dry friction in the last step
         ("regaining", "f8", (4,)),  # 1: a step with its tangents would carry the wheelset through zero slip
         ("old_heading", "f8", (2,)),  # of the carbody, as x and y of its x axis
         # scratch
-        ("force", "f8", (CLASSES, COORDINATES)),
-        ("moment", "f8", (BODIES, 3)),
+        ("force", "f8", (CLASSES, MOST_COORDINATES)),
+        ("moment", "f8", (MOST_BODIES, 3)),
         ("probe_element", "f8", (12,)),
         ("probe_map", "f8", (12,)),
         ("probe_wheelset", "f8", (2, 7)),
@@ -124,107 +142,60 @@ def coach_record(parameters: CoachParameters, contact: Contact) -> np.ndarray:
     p = parameters
     coach = np.zeros(1, COACH)
     c = coach[0]
-    wheelset = p.wheelset
-    carrier = (wheelset.roll_inertia_kgm2, wheelset.box_pitch_inertia_kgm2, wheelset.yaw_inertia_kgm2)
-    c["mass"] = [p.body.mass_kg] + [p.bogie.mass_kg] * 2 + [wheelset.mass_kg] * 4
-    c["inertia"] = [
-        (b.roll_inertia_kgm2, b.pitch_inertia_kgm2, b.yaw_inertia_kgm2) for b in (p.body, p.bogie, p.bogie)
-    ] + [carrier] * 4
-    c["spin_inertia"] = wheelset.spin_inertia_kgm2
+    explicit = p.axle_boxes == "explicit"
+    c["bodies"] = MOST_BODIES if explicit else BODIES
+    c["coordinates"] = MOST_COORDINATES if explicit else COORDINATES
+    _masses(c, p)
+    c["spin_inertia"] = p.wheelset.spin_inertia_kgm2
     c["resistance"] = (p.resistance.a_n, p.resistance.b_nspm, p.resistance.c_ns2pm2)
     c["caliper_stiffness"] = p.caliper.stiffness_nmprad
     c["caliper_damping"] = p.caliper.damping_nmsprad
     c["contact"] = contact.constants
     c["bogie_of"] = (1, 1, 2, 2)
     c["track_brake_arm"] = p.bogie.height_m
-    _curves(c, p)
-    _elements(c, p, centres(p, contact))
-    c["turns"] = np.any(c["rotational_stiffness"] + c["rotational_damping"] > 0.0, axis=1)
-    c["pushes"] = np.any(c["stiffness"] + c["damping"] > 0.0, axis=1) | np.any(c["damper"] >= 0, axis=1)
+    c["oversize"] = p.wheels.oversize_m(p.wheelset.wheel_diameter_m)
+    c["growth"][:, :, 0] = c["oversize"]
+    c["harmonics"], c["harmonic"] = p.wheels.harmonics()
+    c["uneven"] = bool(p.wheels.out_of_roundness)
+    fill_elements(c, p, centres(p, contact))
     return coach
 
 
+def _masses(c: np.void, p: CoachParameters) -> None:
+    wheelset, box = p.wheelset, p.axle_box
+    mass_kg = wheelset.mass_kg
+    carrier = np.array([wheelset.roll_inertia_kgm2, 2.0 * box.pitch_inertia_kgm2, wheelset.yaw_inertia_kgm2])
+    if p.axle_boxes == "explicit":
+        mass_kg -= 2.0 * box.mass_kg
+        offset = box.mass_kg * p.primary.half_spacing_m**2
+        carrier -= 2.0 * (box.inertia_kgm2 + np.array([offset, 0.0, offset]))
+        c["mass"][BODIES:] = box.mass_kg
+        c["inertia"][BODIES:] = box.inertia_kgm2
+    body, bogie = p.laden_body, p.bogie
+    c["mass"][:BODIES] = [body.mass_kg] + [bogie.mass_kg] * 2 + [mass_kg] * 4
+    c["inertia"][:3] = [(b.roll_inertia_kgm2, b.pitch_inertia_kgm2, b.yaw_inertia_kgm2) for b in (body, bogie, bogie)]
+    c["inertia"][3:BODIES] = carrier
+
+
+def first_coordinate(body: int) -> int:
+    """Where the six coordinates of a body begin."""
+    return 6 * body if body < BODIES else COORDINATES + 6 * (body - BODIES)
+
+
 def masses(coach: np.void) -> np.ndarray:
-    """Diagonal of the mass matrix (46,)."""
-    bodies = [m for i in range(BODIES) for m in ([coach["mass"][i]] * 3 + list(coach["inertia"][i]))]
-    return np.array(bodies + [coach["spin_inertia"]] * 4)
+    """Diagonal of the mass matrix (coordinates,)."""
+    bodies = [m for i in range(coach["bodies"]) for m in ([coach["mass"][i]] * 3 + list(coach["inertia"][i]))]
+    return np.array([*bodies[:SPIN], *[coach["spin_inertia"]] * 4, *bodies[SPIN:]])
 
 
 def centres(parameters: CoachParameters, contact: Contact) -> np.ndarray:
-    """Centres of the seven bodies on level straight track, relative to the track below the carbody: (7, 3) m."""
+    """Centres of the bodies on level straight track, relative to the track below the carbody: (bodies, 3) m."""
     p = parameters
     bogies = [0.5 * p.bogie_distance_m, -0.5 * p.bogie_distance_m]
     wheels = [b + 0.5 * side * p.wheelbase_m for b in bogies for side in (1, -1)]
     sink = contact.radius_m - contact.rest_height_m
-    rows = [(0.0, p.body.height_m)] + [(x, p.bogie.height_m) for x in bogies] + [(x, contact.radius_m) for x in wheels]
-    return np.array([(x, 0.0, z - sink) for x, z in rows])
-
-
-def _curves(c: np.void, p: CoachParameters) -> None:
-    characteristics: list[Characteristic | None] = [
-        p.primary.vertical_damper,
-        p.primary.vertical_stop,
-        p.secondary.vertical_damper,
-        p.secondary.lateral_damper,
-        p.secondary.vertical_stop,
-        p.secondary.lateral_stop,
-        p.yaw_dampers.damper,
-    ]
-    for k, curve in enumerate(characteristics):
-        if curve is not None:
-            c["curve_points"][k] = len(curve.x)
-            c["curve_x"][k, : len(curve.x)] = curve.x
-            c["curve_force"][k, : len(curve.x)] = curve.force_n
-            c["curve_slope"][k, 1 : len(curve.x)] = np.diff(curve.force_n) / np.diff(curve.x)
-
-
-def _elements(c: np.void, p: CoachParameters, at: np.ndarray) -> None:
-    """Fill the element arrays; a point is given in its body's axes from the body's centre, `at` (7, 3)."""
-    sink = at[3, 2] - 0.5 * p.wheelset.wheel_diameter_m
-    k = 0
-
-    def place(upper: int, lower: int, x: float, y: float, z: float) -> int:
-        nonlocal k
-        point = np.array([x, y, z + sink])
-        c["upper"][k], c["lower"][k] = upper, lower
-        c["upper_point"][k], c["lower_point"][k] = point - at[upper], point - at[lower]
-        c["damper"][k] = c["stop"][k] = -1
-        k += 1
-        return k - 1
-
-    body_share = p.body.mass_kg * GRAVITY_MPS2 / 4.0
-    bogie_share = (p.body.mass_kg / 2.0 + p.bogie.mass_kg) * GRAVITY_MPS2 / 4.0
-    for wheelset in range(4):
-        for side in (1, -1):
-            e = place(
-                1 + wheelset // 2,
-                3 + wheelset,
-                at[3 + wheelset, 0],
-                side * p.primary.half_spacing_m,
-                p.primary.height_m,
-            )
-            c["stiffness"][e] = p.primary.stiffness_npm
-            c["damping"][e] = p.primary.damping_nspm
-            c["rotational_stiffness"][e] = p.primary.rotational_stiffness_nmprad
-            c["rotational_damping"][e] = p.primary.rotational_damping_nmsprad
-            c["preload"][e] = bogie_share
-            c["damper"][e] = (-1, -1, 0)
-            c["stop"][e] = (-1, -1, 1)
-    for bogie in (1, 2):
-        x = at[bogie, 0]
-        for side in (1, -1):
-            e = place(0, bogie, x, side * p.secondary.half_spacing_m, p.secondary.height_m)
-            c["stiffness"][e] = p.secondary.stiffness_npm
-            c["damping"][e] = p.secondary.damping_nspm
-            c["rotational_stiffness"][e] = p.secondary.rotational_stiffness_nmprad
-            c["rotational_damping"][e] = p.secondary.rotational_damping_nmsprad
-            c["preload"][e] = body_share
-            c["damper"][e] = (-1, 3 if p.secondary.lateral_damper else -1, 2)
-            c["stop"][e] = (-1, 5 if p.secondary.lateral_stop else -1, 4)
-            e = place(0, bogie, x, side * p.yaw_dampers.half_spacing_m, p.yaw_dampers.height_m)
-            c["damper"][e] = (6, -1, -1)
-        e = place(0, bogie, x, 0.0, p.traction_rod.height_m)
-        c["stiffness"][e, 0] = p.traction_rod.stiffness_npm
-        c["damping"][e, 0] = p.traction_rod.damping_nspm
-        e = place(0, bogie, x, 0.0, p.secondary.height_m)
-        c["rotational_stiffness"][e, 0] = p.anti_roll_bar_nmprad
+    rows = [(0.0, 0.0, p.laden_body.height_m)]
+    rows += [(x, 0.0, p.bogie.height_m) for x in bogies] + [(x, 0.0, contact.radius_m) for x in wheels]
+    if p.axle_boxes == "explicit":
+        rows += [(x, side * p.primary.half_spacing_m, contact.radius_m) for x in wheels for side in (1, -1)]
+    return np.array([(x, y, z - sink) for x, y, z in rows])

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from vehicle.forces import coach_force
-from vehicle.layout import COORDINATES, SPIN, masses
+from vehicle.layout import SPIN, masses
 from vehicle.parameters import CoachParameters
 from vehicle.start import start_state
 from wheel_rail import Adhesion, AdhesionParameters, Contact, RailState, Track, TrackParameters
@@ -17,14 +17,14 @@ _STRAIGHT_M = 200.0
 
 @dataclass(frozen=True)
 class Mode:
-    """An undamped mode: frequency, and the shape over the 42 coordinates of the bodies, of unit modal mass."""
+    """An undamped mode: frequency, and the shape over all coordinates, without spin, of unit modal mass."""
 
     frequency_hz: float
     shape: np.ndarray
 
 
 def stiffness_matrix(parameters: CoachParameters, speed_mps: float) -> tuple[np.ndarray, np.ndarray]:
-    """Mass and stiffness matrices (46, 46) about steady running: K = -df/dq by central differences.
+    """Mass and stiffness matrices (coordinates, coordinates) about steady running: K = -df/dq by central differences.
 
     Rotations are about the bodies' axes; gravity, preloads and contact stiffness are in, forces by speed are not.
     """
@@ -36,28 +36,32 @@ def stiffness_matrix(parameters: CoachParameters, speed_mps: float) -> tuple[np.
     coach = record[0]
 
     def force(at: np.ndarray) -> np.ndarray:
-        f = np.empty(COORDINATES)
+        f = np.empty(len(q))
         coach_force(at, v, f, record, track.table, rail)
         return f
 
-    stiffness = np.empty((COORDINATES, COORDINATES))
-    for j in range(COORDINATES):
-        step = np.zeros(COORDINATES)
+    stiffness = np.empty((len(q), len(q)))
+    for j in range(len(q)):
+        step = np.zeros(len(q))
         step[j] = _STEP_M
         stiffness[:, j] = -(force(q + step) - force(q - step)) / (2.0 * _STEP_M)
     return np.diag(masses(coach)), stiffness
 
 
 def undamped_modes(parameters: CoachParameters, speed_mps: float = 20.0) -> list[Mode]:
-    """Modes of the seven bodies by rising frequency, rigid motions left out (below 0.05 Hz).
+    """Modes of the bodies by rising frequency, rigid motions left out (below 0.05 Hz).
 
     The part of the stiffness that is not symmetric (creep forces) does not belong to modes and is left out.
     """
     mass, stiffness = stiffness_matrix(parameters, speed_mps)
-    squared, shapes = eigh(0.5 * (stiffness + stiffness.T)[:SPIN, :SPIN], mass[:SPIN, :SPIN])
+    bodies = np.delete(np.arange(len(mass)), np.arange(SPIN, SPIN + 4))
+    these = np.ix_(bodies, bodies)
+    squared, shapes = eigh(0.5 * (stiffness + stiffness.T)[these], mass[these])
+    whole = np.zeros_like(mass[: len(bodies)].T)
+    whole[bodies] = shapes
     return [
         Mode(float(np.sqrt(w2) / (2.0 * np.pi)), shape)
-        for w2, shape in zip(squared, shapes.T, strict=True)
+        for w2, shape in zip(squared, whole.T, strict=True)
         if w2 > (2.0 * np.pi * 0.05) ** 2
     ]
 

@@ -20,6 +20,7 @@ from vehicle.forces import (
 )
 from vehicle.layout import CLASSES, coach_at
 from vehicle.parameters import GRAVITY_MPS2
+from vehicle.suspension import place_of
 from wheel_rail.adhesion_memory import MEMORY
 from wheel_rail.adhesion_state import rail_of
 from wheel_rail.compiled import array_at, compiled, record_reader
@@ -74,11 +75,12 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
     running = coach_at(address)
     coach = coach_at(watching_address)
     out = _row_at(row_address)
-    q, v = array_at(running.solver_at[0], (46,)), array_at(running.solver_at[1], (46,))
+    shape = (running.coordinates,)
+    q, v = array_at(running.solver_at[0], shape), array_at(running.solver_at[1], shape)
     track = array_at(running.track_at, (running.track_nodes, 10))
     for i in range(5):
         coach.s[i] = running.s[i]
-    for i in range(7):
+    for i in range(running.bodies):
         for j in range(4):
             coach.attitude[i, j] = running.attitude[i, j]
         for j in range(3):
@@ -127,24 +129,25 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
     for j in range(3):
         out.momentum_ns[j] = 0.0
         out.external_force_n[j] = 0.0
-    for i in range(7):
+    for i in range(running.bodies):
+        at = place_of(i)
         for j in range(3):
-            out.momentum_ns[j] += coach.mass[i] * v[6 * i + j]
+            out.momentum_ns[j] += coach.mass[i] * v[at + j]
             out.external_force_n[j] += (
-                force[GRAVITY, 6 * i + j]
-                + force[CONTACT_NORMAL, 6 * i + j]
-                + force[CREEP, 6 * i + j]
-                + force[RESISTANCE, 6 * i + j]
-                + force[TRACK_BRAKE, 6 * i + j]
+                force[GRAVITY, at + j]
+                + force[CONTACT_NORMAL, at + j]
+                + force[CREEP, at + j]
+                + force[RESISTANCE, at + j]
+                + force[TRACK_BRAKE, at + j]
             )
-            energy += 0.5 * (coach.mass[i] * v[6 * i + j] ** 2 + coach.inertia[i, j] * v[6 * i + 3 + j] ** 2)
+            energy += 0.5 * (coach.mass[i] * v[at + j] ** 2 + coach.inertia[i, j] * v[at + 3 + j] ** 2)
     for i in range(4):
         energy += 0.5 * coach.spin_inertia * v[42 + i] ** 2
     out.kinetic_energy_j = energy
     classes = (GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, TRACK_BRAKE)
     for k in range(len(classes)):
         power = 0.0
-        for j in range(46):
+        for j in range(running.coordinates):
             power += force[classes[k], j] * v[j]
         out.power_w[k] = power
 
@@ -153,7 +156,9 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
         frame = coach.frame[i]
         out.wheelset_position_m[i] = coach.s[i]
         out.wheelset_speed_mps[i] = v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5]
-        out.rim_speed_mps[i] = v[42 + i] * coach.contact.radius_m
+        out.rim_speed_mps[i] = v[42 + i] * (
+            coach.contact.radius_m + 0.5 * (coach.oversize[i, 0] + coach.oversize[i, 1])
+        )
         out.wheel_angle_rad[i] = q[42 + i]
         out.lateral_displacement_m[i] = (
             (q[at] - frame[0]) * frame[6] + (q[at + 1] - frame[1]) * frame[7] + (q[at + 2] - frame[2]) * frame[8]

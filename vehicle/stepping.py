@@ -10,7 +10,7 @@ import math
 
 from vehicle.forces import add_classes, forces_by_class
 from vehicle.layout import ACTUATION, coach_at
-from vehicle.suspension import commit_attitudes
+from vehicle.suspension import commit_attitudes, friction_has_changed
 from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_memory import remember_friction
 from wheel_rail.adhesion_state import RailTables, crush_sand, deposit, rail_of
@@ -37,11 +37,12 @@ def begin_step(address: int, step_s: float) -> int:
     Returns FRESH or AGED for the Jacobian, or LOST when the state or the actuation is not finite.
     """
     coach = coach_at(address)
-    q, v = array_at(coach.solver_at[0], (46,)), array_at(coach.solver_at[1], (46,))
-    a, f = array_at(coach.solver_at[2], (46,)), array_at(coach.solver_at[3], (46,))
+    shape = (coach.coordinates,)
+    q, v = array_at(coach.solver_at[0], shape), array_at(coach.solver_at[1], shape)
+    a, f = array_at(coach.solver_at[2], shape), array_at(coach.solver_at[3], shape)
     track = array_at(coach.track_at, (coach.track_nodes, 10))
     rail = rail_of(coach.rail)
-    for j in range(46):
+    for j in range(coach.coordinates):
         if not math.isfinite(v[j]):
             return LOST
     actuation = array_at(coach.actuation_at, (ACTUATION,))
@@ -66,7 +67,10 @@ def begin_step(address: int, step_s: float) -> int:
     _to_predictor(q, v, a, step_s, coach)
     forces_by_class(coach.ahead_q, coach.ahead_v, coach, track, rail)
     add_classes(coach, f)
-    return AGED if _jacobian_has_aged(step_s, coach) else FRESH
+    aged = _jacobian_has_aged(step_s, coach)
+    if coach.rubbing_count > 0 and friction_has_changed(coach.ahead_q, coach.ahead_v, coach):
+        aged = True
+    return AGED if aged else FRESH
 
 
 @compiled
@@ -151,7 +155,7 @@ def _to_predictor(q: Array, v: Array, a: Array, step_s: float, coach: Record) ->
     """
     first = coach.steps == 0
     coach.steps += 1
-    for j in range(46):
+    for j in range(coach.coordinates):
         if first:
             coach.algorithmic[j] = a[j]
         else:

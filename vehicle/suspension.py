@@ -7,14 +7,19 @@ momentum, angular momentum and energy.
 
 import math
 
-from vehicle.layout import ELEMENTS
 from wheel_rail.compiled import Array, Record, compiled, inlined
+
+
+@inlined
+def place_of(body: int) -> int:
+    """First coordinate of a body; the four spins stand between wheelsets and axle boxes."""
+    return 6 * body if body < 7 else 6 * body + 4
 
 
 @compiled
 def body_frames(q: Array, v: Array, coach: Record) -> None:
-    """Rotation matrices of the seven bodies at q and their world angular velocities."""
-    for i in range(7):
+    """Rotation matrices of the bodies at q and their world angular velocities."""
+    for i in range(coach.bodies):
         w, x, y, z = attitude(i, q, coach)
         r = coach.rotation[i]
         r[0, 0] = 1.0 - 2.0 * (y * y + z * z)
@@ -26,7 +31,8 @@ def body_frames(q: Array, v: Array, coach: Record) -> None:
         r[2, 0] = 2.0 * (x * z - w * y)
         r[2, 1] = 2.0 * (y * z + w * x)
         r[2, 2] = 1.0 - 2.0 * (x * x + y * y)
-        x, y, z = v[6 * i + 3], v[6 * i + 4], v[6 * i + 5]
+        at = place_of(i)
+        x, y, z = v[at + 3], v[at + 4], v[at + 5]
         for j in range(3):
             coach.rate[i, j] = r[j, 0] * x + r[j, 1] * y + r[j, 2] * z
 
@@ -34,9 +40,10 @@ def body_frames(q: Array, v: Array, coach: Record) -> None:
 @compiled
 def attitude(i: int, q: Array, coach: Record) -> tuple[float, float, float, float]:
     """Unit quaternion of body i at q: the committed one, turned by what the turn coordinates have grown since."""
-    a = 0.5 * (q[6 * i + 3] - coach.turned[i, 0])
-    b = 0.5 * (q[6 * i + 4] - coach.turned[i, 1])
-    c = 0.5 * (q[6 * i + 5] - coach.turned[i, 2])
+    at = place_of(i)
+    a = 0.5 * (q[at + 3] - coach.turned[i, 0])
+    b = 0.5 * (q[at + 4] - coach.turned[i, 1])
+    c = 0.5 * (q[at + 5] - coach.turned[i, 2])
     angle2 = a * a + b * b + c * c
     # sine over angle and cosine to rounding for half turns below 0.03 rad: a step turns a body by far less
     s = 1.0 - angle2 / 6.0 * (1.0 - angle2 / 20.0 * (1.0 - angle2 / 42.0))
@@ -57,26 +64,27 @@ def attitude(i: int, q: Array, coach: Record) -> tuple[float, float, float, floa
 @compiled
 def commit_attitudes(q: Array, coach: Record) -> None:
     """Take the rotations at q as those from which the next turns count."""
-    for i in range(7):
+    for i in range(coach.bodies):
         w, x, y, z = attitude(i, q, coach)
         # one Newton step to unit length: products drift by rounding only
         scale = 1.5 - 0.5 * (w * w + x * x + y * y + z * z)
         own = coach.attitude[i]
         own[0], own[1], own[2], own[3] = w * scale, x * scale, y * scale, z * scale
         for j in range(3):
-            coach.turned[i, j] = q[6 * i + 3 + j]
+            coach.turned[i, j] = q[place_of(i) + 3 + j]
 
 
 @compiled
 def _on_curve(x: float, curve: int, coach: Record) -> tuple[float, float]:
-    """Force and slope of an odd-symmetric characteristic."""
-    n = coach.curve_points[curve]
+    """Force and slope of a characteristic."""
+    side = 0 if x >= 0.0 else 1
+    n = coach.curve_points[curve, side]
     size = abs(x)
     k = 1
-    while k < n - 1 and size > coach.curve_x[curve, k]:
+    while k < n - 1 and size > coach.curve_x[curve, side, k]:
         k += 1
-    slope = coach.curve_slope[curve, k]
-    force = coach.curve_force[curve, k - 1] + slope * (size - coach.curve_x[curve, k - 1])
+    slope = coach.curve_slope[curve, side, k]
+    force = coach.curve_force[curve, side, k - 1] + slope * (size - coach.curve_x[curve, side, k - 1])
     return math.copysign(force, x), slope
 
 
@@ -107,11 +115,12 @@ def _relative(q: Array, v: Array, coach: Record, e: int, out: Array) -> None:
     ax = rw[0, 0] * a + rw[0, 1] * b + rw[0, 2] * c
     ay = rw[1, 0] * a + rw[1, 1] * b + rw[1, 2] * c
     az = rw[2, 0] * a + rw[2, 1] * b + rw[2, 2] * c
-    bx, by, bz = q[6 * w] + ax - q[6 * u], q[6 * w + 1] + ay - q[6 * u + 1], q[6 * w + 2] + az - q[6 * u + 2]
+    at_u, at_w = place_of(u), place_of(w)
+    bx, by, bz = q[at_w] + ax - q[at_u], q[at_w + 1] + ay - q[at_u + 1], q[at_w + 2] + az - q[at_u + 2]
     wu, wl = coach.rate[u], coach.rate[w]
-    sx = v[6 * w] - v[6 * u] + wl[1] * az - wl[2] * ay - (wu[1] * bz - wu[2] * by)
-    sy = v[6 * w + 1] - v[6 * u + 1] + wl[2] * ax - wl[0] * az - (wu[2] * bx - wu[0] * bz)
-    sz = v[6 * w + 2] - v[6 * u + 2] + wl[0] * ay - wl[1] * ax - (wu[0] * by - wu[1] * bx)
+    sx = v[at_w] - v[at_u] + wl[1] * az - wl[2] * ay - (wu[1] * bz - wu[2] * by)
+    sy = v[at_w + 1] - v[at_u + 1] + wl[2] * ax - wl[0] * az - (wu[2] * bx - wu[0] * bz)
+    sz = v[at_w + 2] - v[at_u + 2] + wl[0] * ay - wl[1] * ax - (wu[0] * by - wu[1] * bx)
     for j in range(3):
         x, y, z = ru[0, j], ru[1, j], ru[2, j]
         out[j] = x * bx + y * by + z * bz - rest[j]
@@ -122,11 +131,12 @@ def _relative(q: Array, v: Array, coach: Record, e: int, out: Array) -> None:
 
 @compiled
 def add_suspension(q: Array, v: Array, coach: Record, f: Array) -> None:
-    """Add all element forces to the generalised force `f` (46,); needs `body_frames`."""
+    """Add all element forces to the generalised force `f` (coordinates,); needs `body_frames`."""
     rel = coach.probe_element
     moment = coach.moment  # world moments by body, turned into body axes at the end
-    moment[:, :] = 0.0
-    for e in range(ELEMENTS):
+    for i in range(coach.bodies):
+        moment[i, 0] = moment[i, 1] = moment[i, 2] = 0.0
+    for e in range(coach.elements):
         u, w = coach.upper[e], coach.lower[e]
         ru = coach.rotation[u]
         if coach.pushes[e]:
@@ -138,12 +148,13 @@ def add_suspension(q: Array, v: Array, coach: Record, f: Array) -> None:
             gx = ru[0, 0] * fx + ru[0, 1] * fy + ru[0, 2] * fz
             gy = ru[1, 0] * fx + ru[1, 1] * fy + ru[1, 2] * fz
             gz = ru[2, 0] * fx + ru[2, 1] * fy + ru[2, 2] * fz
-            f[6 * u] += gx
-            f[6 * u + 1] += gy
-            f[6 * u + 2] += gz
-            f[6 * w] -= gx
-            f[6 * w + 1] -= gy
-            f[6 * w + 2] -= gz
+            at_u, at_w = place_of(u), place_of(w)
+            f[at_u] += gx
+            f[at_u + 1] += gy
+            f[at_u + 2] += gz
+            f[at_w] -= gx
+            f[at_w + 1] -= gy
+            f[at_w + 2] -= gz
             moment[u, 0] += rel[7] * gz - rel[8] * gy
             moment[u, 1] += rel[8] * gx - rel[6] * gz
             moment[u, 2] += rel[6] * gy - rel[7] * gx
@@ -167,23 +178,24 @@ def add_suspension(q: Array, v: Array, coach: Record, f: Array) -> None:
                 for m in range(3):
                     moment[u, m] += ru[m, axis] * size
                     moment[w, m] -= ru[m, axis] * size
-    for i in range(7):
+    for i in range(coach.bodies):
         r = coach.rotation[i]
+        at = place_of(i) + 3
         for j in range(3):
-            f[6 * i + 3 + j] += r[0, j] * moment[i, 0] + r[1, j] * moment[i, 1] + r[2, j] * moment[i, 2]
+            f[at + j] += r[0, j] * moment[i, 0] + r[1, j] * moment[i, 1] + r[2, j] * moment[i, 2]
 
 
 @compiled
 def add_suspension_jacobian(
     q: Array, v: Array, coach: Record, factor_q: float, factor_v: float, jacobian: Array
 ) -> None:
-    """Subtract df/dq factor_q + df/dv factor_v of the elements from `jacobian` (46, 46), geometric stiffness left out.
+    """Subtract df/dq factor_q + df/dv factor_v of the elements from `jacobian`, geometric stiffness left out.
 
     With G the map of coordinate increments to the deflection in the upper body's axes, each element gives G^T K G.
     """
     rel = coach.probe_element
     g = coach.probe_map
-    for e in range(ELEMENTS):
+    for e in range(coach.elements):
         u, w = coach.upper[e], coach.lower[e]
         ru, rw = coach.rotation[u], coach.rotation[w]
         _relative(q, v, coach, e, rel)
@@ -194,7 +206,7 @@ def add_suspension_jacobian(
                 # row of G: force direction n = R_u e_axis; rotations are body-axes increments
                 nx, ny, nz = ru[0, axis], ru[1, axis], ru[2, axis]
                 _row(g, nx, ny, nz, rel, ru, rw)
-                _rank_one(jacobian, 6 * u, 6 * w, g, stiffness)
+                _rank_one(jacobian, place_of(u), place_of(w), g, stiffness)
         if coach.turns[e]:
             for axis in range(3):
                 stiffness = (
@@ -208,7 +220,7 @@ def add_suspension_jacobian(
                         for m in range(3):
                             g[9 + j] += rw[m, j] * ru[m, axis]
                     g[3 + axis] = -1.0
-                    _rank_one(jacobian, 6 * u, 6 * w, g, stiffness)
+                    _rank_one(jacobian, place_of(u), place_of(w), g, stiffness)
 
 
 @compiled
@@ -234,3 +246,21 @@ def _rank_one(jacobian: Array, at_upper: int, at_lower: int, g: Array, stiffness
         for j in range(6):
             jacobian[row, at_upper + j] += gi * g[j]
             jacobian[row, at_lower + j] += gi * g[6 + j]
+
+
+@compiled
+def friction_has_changed(q: Array, v: Array, coach: Record) -> bool:
+    """Whether any dry friction has begun or ceased to slide since it was asked last; needs `body_frames`.
+
+    Its slope then jumps by so much that a Jacobian with the old one would make it chatter.
+    """
+    changed = False
+    rel = coach.probe_element
+    for k in range(coach.rubbing_count):
+        e, axis = coach.rubbing[k, 0], coach.rubbing[k, 1]
+        _relative(q, v, coach, e, rel)
+        _, slope = _on_curve(rel[3 + axis], coach.damper[e, axis], coach)
+        if slope != coach.old_rubbing[k]:
+            changed = True
+        coach.old_rubbing[k] = slope
+    return changed

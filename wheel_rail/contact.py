@@ -66,13 +66,14 @@ def table_place(displacement_m: float, constants: Record) -> tuple[int, float]:
 @compiled
 def wheel_contact(
     side: int, position: Array, axle: Vector, velocity: Array, carrier_rate: Vector, spin_radps: float, frame: Array,
-    constants: Record, condition: Array, normal: Array, creep: Array, report: Array,
+    constants: Record, condition: Array, growth: Vector, normal: Array, creep: Array, report: Array,
 ) -> None:  # fmt: skip
     """Forces of one wheel (`side` +1 left, -1 right) on its wheelset.
 
     `position`, `velocity` (3,): wheelset centre in the world; `axle` (3,): unit vector of the axle to the left;
     `carrier_rate` (3,): angular velocity of the wheelset without its part along the axle, rad/s; `frame` (14,): the
-    track at the wheelset; `constants`: record of dtype CONTACT; `condition` (CONDITION,): the rail's, under this wheel.
+    track at the wheelset; `constants`: record of dtype CONTACT; `condition` (CONDITION,): the rail's, under this wheel;
+    `growth`: radius over the nominal one, m, and its change with the wheel's turn, m/rad.
     Adds to `normal` (7,) and `creep` (7,): force (3) in the world, moment about the centre (3) without its part along
     the axle, and torque about the axle (1). `report` (REPORT,): see the constants above.
     """
@@ -85,7 +86,7 @@ def wheel_contact(
     k, u = table_place(dx * nx + dy * ny + dz * nz, constants)
     low, high = constants.table[0 if side > 0 else 1, k], constants.table[0 if side > 0 else 1, k + 1]
     along = side * (low[PLACE_ALONG] + u * (high[PLACE_ALONG] - low[PLACE_ALONG]))
-    radius = low[ROLLING_RADIUS] + u * (high[ROLLING_RADIUS] - low[ROLLING_RADIUS])
+    radius = low[ROLLING_RADIUS] + u * (high[ROLLING_RADIUS] - low[ROLLING_RADIUS]) + growth[0]
     inward = -side * (low[SLOPE] + u * (high[SLOPE] - low[SLOPE]))
     half = side * (low[RAIL_Y] + u * (high[RAIL_Y] - low[RAIL_Y]))
     top = low[RAIL_Z] + u * (high[RAIL_Z] - low[RAIL_Z])
@@ -127,17 +128,20 @@ def wheel_contact(
     vy = velocity[1] + oz * px - ox * pz
     vz = velocity[2] + ox * py - oy * px
     stiffness = low[STIFFNESS] + u * (high[STIFFNESS] - low[STIFFNESS])
-    load = stiffness * depth - constants.damping_nspm * (vx * mx + vy * my + vz * mz)
+    swelling = scale * growth[1]
+    parting = vx * mx + vy * my + vz * mz - spin_radps * swelling
+    load = stiffness * depth - constants.damping_nspm * parting
     if load <= 0.0:
         return
     fx, fy, fz = load * mx, load * my, load * mz
     normal[0] += fx
     normal[1] += fy
     normal[2] += fz
-    # the normal of a surface of revolution meets its axis: no torque about the axle
+    # the normal of a surface of revolution meets its axis: no torque about the axle, unless the wheel is out of round
     normal[3] += py * fz - pz * fy
     normal[4] += pz * fx - px * fz
     normal[5] += px * fy - py * fx
+    normal[6] -= load * swelling
 
     # creepages in the tangent plane: c along the rail, l = m x c to the left
     lx, ly, lz = my * cz - mz * cy, mz * cx - mx * cz, mx * cy - my * cx

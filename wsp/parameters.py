@@ -116,7 +116,10 @@ class BrakeParameters(_Parameters):
     """
 
     full_service_pressure_bar: float = Field(
-        gt=0.0, le=8.0, description="distributor (relay) output pressure at demand 1"
+        gt=0.0, le=8.0, description="distributor (relay) output pressure at demand 1, coach empty"
+    )
+    weighs_load: bool = Field(
+        default=True, description="whether the pressure beyond the return spring's grows with the mass to be braked"
     )
     application_time_s: float = Field(
         gt=0.0, le=60.0, description="distributor output from 0 to full service, at a constant rate"
@@ -196,6 +199,22 @@ class BrakeParameters(_Parameters):
         """Volume behind the valves of one axle at full service."""
         pads_bar = max(0.0, self.full_service_pressure_bar - self.return_spring_pressure_bar)
         return self.cylinder_volume_dm3 + self.clearance_volume_dm3 + self.elastic_volume_dm3pbar * pads_bar
+
+    def at_load(self, load_ratio: float) -> Self:
+        """The brake of a coach whose mass to be braked, rotating parts included, is `load_ratio` of the empty one's.
+
+        Raises ValueError where that pressure cannot be supplied.
+        """
+        if not self.weighs_load or load_ratio == 1.0:
+            return self
+        spring_bar = self.return_spring_pressure_bar
+        full_bar = spring_bar + load_ratio * max(0.0, self.full_service_pressure_bar - spring_bar)
+        if full_bar > self.feed_pressure_bar:
+            raise ValueError(
+                f"full_service_pressure_bar = {self.full_service_pressure_bar}: weighs the load up to {full_bar:.2f} "
+                f"bar, more than feed_pressure_bar = {self.feed_pressure_bar} supplies"
+            )
+        return self.model_copy(update={"full_service_pressure_bar": full_bar})
 
     @model_validator(mode="after")
     def _pads_clear(self) -> Self:

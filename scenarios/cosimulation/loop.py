@@ -76,7 +76,7 @@ class Loop:
             self._ticks_per_control = round(self._controller.period_s / TICK_S)
         self._driver = Driver(scenario.driver, scenario.traction, DRIVER_PERIOD_S)
         self._traction = Traction(scenario.traction, radius_m, TICK_S)
-        self.brake = Brake(scenario.brake, self.period_s)
+        self.brake = Brake(scenario.brake_at_load, self.period_s)
         name = scenario.wsp.reference_estimator
         self._reference = None if name is None else EstimatedReference(scenario, name)
         self._estimated_rows = 0

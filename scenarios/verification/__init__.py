@@ -14,6 +14,7 @@ def all_cases() -> tuple[Case, ...]:
         adhesion,
         brake,
         coach,
+        coaches,
         contact_mechanics,
         creep_laws,
         curving,
@@ -22,5 +23,5 @@ def all_cases() -> tuple[Case, ...]:
         wheelset,
     )
 
-    areas = (contact_mechanics, creep_laws, adhesion, profiles, wheelset, track, coach, curving, brake)
+    areas = (contact_mechanics, creep_laws, adhesion, profiles, wheelset, track, coach, coaches, curving, brake)
     return tuple(case for area in areas for case in area.CASES)

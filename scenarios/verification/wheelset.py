@@ -43,8 +43,9 @@ def _guidance() -> np.ndarray:
         normal, creep, report = np.zeros(7), np.zeros(7), np.zeros(REPORT)
         for side in (1, -1):
             wheel_contact(
-                side, position, axle, velocity, rate, spin, frame, contact.constants, condition, normal, creep, report
-            )
+                side, position, axle, velocity, rate, spin, frame, contact.constants, condition, np.zeros(2),
+                normal, creep, report,
+            )  # fmt: skip
         total = normal + creep
         return np.array([total[:3] @ across, total[3:6] @ upwards])
 

@@ -47,12 +47,12 @@ class Group(_Section):
 
 
 class StopEntry(_Section):
-    """One stop: speed and load, and its settings over the base, each as in `--set`."""
+    """One stop: speed, load of the coach (`coach.load`), and its settings over the base, each as in `--set`."""
 
     name: str = Field(pattern=NAME, max_length=60)
     group: str
     speed_kmh: float = Field(gt=0.0, le=400.0)
-    load: str
+    load: str = Field(pattern=NAME, max_length=60)
     settings: tuple[str, ...] = ()
     run_in_s: float | None = Field(default=None, ge=0.2, le=600.0)
     limits: tuple[str, ...] | None = None
@@ -64,7 +64,6 @@ class ProgrammeFile(_Section):
 
     programme: ProgrammeHead
     scoring: ScoringParameters = ScoringParameters()
-    loads: dict[str, tuple[str, ...]] = Field(min_length=1, description="load -> its settings")
     groups: dict[str, Group] = Field(min_length=1)
     stops: tuple[StopEntry, ...] = Field(min_length=1)
 
@@ -75,9 +74,8 @@ class ProgrammeFile(_Section):
             if stop.name in seen:
                 raise ValueError(f"stops.{k}.name = {stop.name!r}: is the name of an earlier stop as well")
             seen.add(stop.name)
-            for key, value, known in (("group", stop.group, self.groups), ("load", stop.load, self.loads)):
-                if value not in known:
-                    raise ValueError(f"stops.{k}.{key} = {value!r}: no such {key}; there are {', '.join(known)}")
+            if stop.group not in self.groups:
+                raise ValueError(f"stops.{k}.group = {stop.group!r}: no such group; there are {', '.join(self.groups)}")
             if stop.name in self.groups:
                 raise ValueError(f"stops.{k}.name = {stop.name!r}: is the name of a group as well")
             if stop.name.startswith("dry-reference-"):
@@ -179,7 +177,7 @@ def load_programme(path: Path, controller: str, settings: Sequence[str]) -> Prog
     base = str(path.parent / head.scenario) if head.scenario.endswith(".toml") else str(locate(head.scenario))
     stops, dry = [], {}
     for entry in built.stops:
-        start = (f"simulation.initial_speed_kmh={entry.speed_kmh}", *built.loads[entry.load])
+        start = (f"simulation.initial_speed_kmh={entry.speed_kmh}", f"coach.load={entry.load}")
         reference = f"dry-reference-{entry.speed_kmh:g}-{entry.load}"
         common = Stop(
             name=entry.name,

@@ -3,6 +3,7 @@
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,10 +15,22 @@ from wheel_rail.adhesion_state import RailTables
 RECORD_S = 0.005
 
 
+def coach_of(preset: str = "malvezzi-2014", **changes: Any) -> CoachParameters:
+    """The coach of a preset with other values; `a__b` is key b in table a."""
+    with COACH_PRESETS[preset].open("rb") as file:
+        tree = tomllib.load(file)
+    for path, value in changes.items():
+        table: dict[str, Any] = tree
+        *tables, key = path.split("__")
+        for name in tables:
+            table = table.setdefault(name, {})
+        table[key] = value
+    return CoachParameters.model_validate(tree)
+
+
 @pytest.fixture(scope="session")
 def parameters() -> CoachParameters:
-    with COACH_PRESETS["malvezzi-2014"].open("rb") as file:
-        return CoachParameters.model_validate(tomllib.load(file))
+    return coach_of()
 
 
 @dataclass
@@ -65,9 +78,15 @@ MakeBench = Callable[..., Bench]
 
 @pytest.fixture(scope="session")
 def make_bench(parameters: CoachParameters) -> MakeBench:
-    def make(peak_adhesion: float = 0.3, surface: str = "dry", geometry: str = "profiles", **line: object) -> Bench:
-        contact_parameters = parameters.contact.model_copy(update={"geometry": geometry})
-        coach = parameters.model_copy(update={"contact": contact_parameters})
+    def make(
+        peak_adhesion: float = 0.3,
+        surface: str = "dry",
+        geometry: str = "profiles",
+        given: CoachParameters = parameters,
+        **line: object,
+    ) -> Bench:
+        contact_parameters = given.contact.model_copy(update={"geometry": geometry})
+        coach = given.model_copy(update={"contact": contact_parameters})
         track_parameters = TrackParameters.model_validate({"length_m": 4000.0, **line})
         track = Track(track_parameters, np.random.default_rng(1))
         contact = Contact(coach.contact, 0.5 * coach.wheelset.wheel_diameter_m, coach.static_wheel_load_n)

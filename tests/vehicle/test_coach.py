@@ -152,8 +152,8 @@ def test_forces_are_those_of_the_solvers_predictor(make_bench: MakeBench, monkey
 
     def spy(q: np.ndarray, v: np.ndarray, *rest: object) -> None:
         ahead = rest[2][0]  # type: ignore[index]
-        seen.append(np.abs(q - ahead["ahead_q"]).max())
-        seen.append(np.abs(v - ahead["ahead_v"]).max())
+        seen.append(np.abs(q - ahead["ahead_q"][: len(q)]).max())
+        seen.append(np.abs(v - ahead["ahead_v"][: len(v)]).max())
         jacobian(q, v, *rest)
 
     monkeypatch.setattr(coach_module, "coach_jacobian", spy)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.wheel_rail.rail_kinds import CONTACT
 from tests.wheel_rail.test_track import TRACK, frame_at
-from wheel_rail.contact import LONGITUDINAL, NORMAL, REPORT, SLIDE_POWER, wheel_contact
+from wheel_rail.contact import LONGITUDINAL, NORMAL, PENETRATION, REPORT, SLIDE_POWER, wheel_contact
 from wheel_rail.contact_table import STIFFNESS
 from wheel_rail.recovery import CONDITION, DEGRADED, ENERGY, FALLING_A, MU0, RECOVERED, TAU
 
@@ -21,6 +21,7 @@ CONSTANTS = CONTACT.constants
 def contact(
     side: int, *, s_m: float = 100.0, lateral_m: float = 0.0, sink_m: float = 7e-4, yaw: float = 0.0, roll: float = 0.0,
     speed: float = 20.0, spin: float = 20.0 / 0.46, condition: np.ndarray = DRY,
+    growth: tuple[float, float] = (0.0, 0.0),
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
     """Normal and creep force (7,), the wheel's report, and the wheelset's generalised velocity."""
     frame = frame_at(TRACK, s_m)
@@ -30,8 +31,9 @@ def contact(
     position = frame[:3] + lateral_m * n + (0.46 - sink_m) * b
     normal, creep, report = np.zeros(7), np.zeros(7), np.zeros(REPORT)
     wheel_contact(
-        side, position, axle, speed * t, np.zeros(3), spin, frame, CONSTANTS, condition, normal, creep, report
-    )
+        side, position, axle, speed * t, np.zeros(3), spin, frame, CONSTANTS, condition, np.array(growth),
+        normal, creep, report,
+    )  # fmt: skip
     return normal, creep, report, np.concatenate([speed * t, np.zeros(3), [spin]])
 
 
@@ -112,3 +114,17 @@ def test_force_within_friction_and_never_driving(
     # the normal force does not turn the wheel
     axle_torque = normal[6]
     assert axle_torque == 0.0
+
+
+def test_a_swollen_wheel_presses_more_and_is_turned_back_by_what_it_lifts() -> None:
+    """0.1 mm more radius is 0.1 mm more depth; a radius that grows by r' a radian takes N r' of torque."""
+    plain, _, report, _ = contact(1)
+    grown, _, swollen, _ = contact(1, growth=(1e-4, 0.0))
+    cosine = 1.0 / np.sqrt(1.0 + 0.05**2)
+    assert swollen[PENETRATION] - report[PENETRATION] == pytest.approx(1e-4 * cosine, rel=1e-6)
+    assert plain[6] == grown[6] == 0.0
+    turning, _, growing, _ = contact(1, growth=(0.0, 5e-4))
+    assert turning[6] == pytest.approx(-growing[NORMAL] * 5e-4 * cosine, rel=1e-9)
+    # it grows with the turning, 20/0.46 rad/s, and so the damper pushes
+    more = CONTACT.parameters.damping_nspm * 5e-4 * cosine * 20.0 / 0.46
+    assert growing[NORMAL] - report[NORMAL] == pytest.approx(more, rel=1e-9)
