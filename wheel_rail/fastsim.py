@@ -140,7 +140,7 @@ def _elastic_bed(
 
 @inlined
 def _crowding(ny: int, pole: float, spread: float) -> tuple[float, float, float, float]:
-    """Strips at theta = middle + reach sinh(v), v in the middle of `ny` parts: middle, reach, exp(first v), stride of v.
+    """Strips at theta = middle + reach sinh(v), v amid `ny` equal parts: middle, reach, exp(first v) and stride of v.
 
     Where y passes the `pole` of the slip (y/b) the stress turns over, within a width `spread` b. A force that is
     analytic up to pole + i spread in y/b is so up to the arcsine of that in theta, middle + i arcosh(larger), and in v
