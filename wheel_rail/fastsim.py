@@ -11,7 +11,8 @@ Vehicle System Dynamics 51 (2013) 1719-1730). Friction follows the slip speed of
 
 import math
 
-from wheel_rail.compiled import Array, Vector, compiled
+from wheel_rail.compiled import Array, Vector, compiled, inlined
+from wheel_rail.fastsim_strip import strip_force
 from wheel_rail.slip import counted_lateral_creep, friction, slip_direction, tangent_with_fall, total_creep
 
 
@@ -78,11 +79,10 @@ def _elastic_bed(
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Sum of the stresses over the ellipse for stiffness k times Kalker's; `k_rate`: dk/ds along the slip.
 
-    Strips at y = b sin(theta), theta at the middle of `ny` equal parts of (-pi/2, pi/2). Within a cell of a strip the
-    stress is taken as linear up to the point where it meets the bound, and as the bound beyond, both integrated
-    exactly: without spin no error is left along the strip, with spin it is of order 1/nx. The stiffnesses carry the
-    known errors of the sums of full adhesion, so that full sliding gives mu N and full adhesion Kalker's linear forces
-    on any grid. Stresses are in units of the bound at the middle of their strip, u = x/(half length of the strip).
+    Strips at y = b sin(theta), theta at the middle of `ny` equal parts of (-pi/2, pi/2) without spin; spin crowds them
+    where the slip turns about its pole (`_crowding`). In units of the bound at the middle of a strip and of its half
+    length all strips have one bound, and differ in growth alone. The sums carry the known errors of the strips, so that
+    full sliding gives mu N and full adhesion Kalker's linear forces on any grid. The tangent is taken on fixed strips.
     """
     a, b = patch[0], patch[1]
     total = total_creep(creep_x, creep_y, spin_1pm, a)
@@ -90,96 +90,72 @@ def _elastic_bed(
         slope = k * shear_modulus_pa * a * b * patch[2]
         return 0.0, 0.0, slope, slope
     along_x, along_y = slip_direction(creep_x, creep_y)
-    du, turn = 2.0 / nx, math.pi / ny
-    # integral of cos^3 theta over its sum, and that of 1 - u^2 over the trapezoidal one
+    turn = math.pi / ny
+    # integral of cos^3 theta over its sum, where the strips do not crowd
     strips = 4.0 / 3.0 / (0.25 * turn * (3.0 / math.sin(0.5 * turn) - 1.0 / math.sin(1.5 * turn)))
-    parabola = 1.0 / (1.0 - 1.0 / (nx * nx))
     # growth of the stress over one cell of a strip of half length a, in units of the bound at the patch's centre
     peak = 2.0 * limit_n / (math.pi * a * b)
-    cell = a * du / peak
+    cell = 2.0 / nx * a / peak
     per_x = cell * 0.375 * shear_modulus_pa * patch[2] / a * strips
     per_y = cell * 0.375 * shear_modulus_pa * patch[3] / a * strips
-    per_spin = cell * 4.0 * shear_modulus_pa * patch[4] / (math.pi * a * math.sqrt(a / b)) * parabola
-    grow_x, grow_y, grow_s = k * per_x * creep_x, k * per_y * creep_y, k * per_spin * spin_1pm
+    per_spin = cell * 4.0 * shear_modulus_pa * patch[4] / (math.pi * a * math.sqrt(a / b)) * spin_1pm
+    grow_x, grow_y, grow_s = k * per_x * creep_x, k * per_y * creep_y, k * per_spin
     rate_x = k * per_x * along_x + k_rate * per_x * creep_x
     rate_y = k * per_y * along_y + k_rate * per_y * creep_y
-    rate_s = k_rate * per_spin * spin_1pm
-    turn_cos, turn_sin = math.cos(turn), math.sin(turn)
-    cosine, sine = math.sin(0.5 * turn), -math.cos(0.5 * turn)
-    sum_x = sum_y = sum_rate_x = sum_rate_y = 0.0
-    for _ in range(ny):
+    rate_s = k_rate * per_spin
+    middle, reach, at, stride = 0.0, math.inf, 1.0, turn
+    if grow_s != 0.0:
+        # the length of the strips and their elasticity spread the turn over y; half of each was found to serve best
+        middle, reach, at, stride = _crowding(ny, grow_x / (grow_s * b), 0.5 * a / b + 1.0 / (nx * abs(grow_s) * b))
+    crowds = reach < 1e5  # beyond, nothing is left of it but rounding
+    onwards = math.exp(stride) if crowds else 1.0
+    sum_x = sum_y = sum_rate_x = sum_rate_y = sum_bound = 0.0
+    for j in range(ny):
+        theta, share = (j + 0.5) * turn - 0.5 * math.pi, turn
+        if crowds:
+            theta = middle + 0.5 * reach * (at - 1.0 / at)
+            share = stride * 0.5 * reach * (at + 1.0 / at)
+            at *= onwards
+        cosine, lever = math.cos(theta), b * math.sin(theta)
         # half the length halves the growth, the bound falls with its square
         inverse = 1.0 / cosine
-        step_x = (grow_x - grow_s * b * sine) * inverse
-        step_y = grow_y * inverse
-        step_rate_x = (rate_x - rate_s * b * sine) * inverse
-        step_rate_y = rate_y * inverse
-        step_s = grow_s * a
-        step_rate_s = rate_s * a
-        px = py = qx = qy = 0.0  # stress, and its derivative along the slip
-        strip_x = strip_y = strip_rate_x = strip_rate_y = 0.0
-        u, bound, before = 1.0, 0.0, 0.0
-        for i in range(nx):
-            middle = u - 0.5 * du
-            next_x, next_y = px + step_x, py + step_y + step_s * middle
-            next_qx, next_qy = qx + step_rate_x, qy + step_rate_y + step_rate_s * middle
-            next_u = 1.0 - (i + 1) * du
-            next_bound = max(1.0 - next_u * next_u, 0.0)
-            size2 = next_x * next_x + next_y * next_y
-            if size2 <= next_bound * next_bound:
-                strip_x += 0.5 * (px + next_x)
-                strip_y += 0.5 * (py + next_y)
-                strip_rate_x += 0.5 * (qx + next_qx)
-                strip_rate_y += 0.5 * (qy + next_qy)
-                px, py, qx, qy = next_x, next_y, next_qx, next_qy
-                before = -1.0  # a root that is rarely needed
-            else:
-                # share of the cell in adhesion: stress = bound - missing + excess s + (s du)^2 meets the bound
-                size = math.sqrt(size2)
-                if before < 0.0:
-                    before = math.sqrt(px * px + py * py)
-                missing = max(bound - before, 0.0)
-                excess = size - before - 2.0 * u * du
-                stick, root = 0.0, 1.0
-                if missing > 0.0 or excess < 0.0:
-                    root = math.sqrt(excess * excess + 4.0 * du * du * missing)
-                    stick = 2.0 * missing / (excess + root) if excess > 0.0 else (root - excess) / (2.0 * du * du)
-                    stick = min(stick, 1.0)
-                slide = bound * (1.0 - stick) + u * du * (1.0 - stick * stick)
-                slide -= du * du * (1.0 - stick * stick * stick) / 3.0
-                stick_end = 0.5 * stick * stick
-                stick_start = stick - stick_end
-                inverse_size = 1.0 / size
-                outward_x, outward_y = next_x * inverse_size, next_y * inverse_size
-                growth = outward_x * next_qx + outward_y * next_qy
-                turn_x = (next_qx - growth * outward_x) * inverse_size
-                turn_y = (next_qy - growth * outward_y) * inverse_size
-                strip_x += stick_start * px + stick_end * next_x + slide * outward_x
-                strip_y += stick_start * py + stick_end * next_y + slide * outward_y
-                strip_rate_x += stick_start * qx + stick_end * next_qx + slide * turn_x
-                strip_rate_y += stick_start * qy + stick_end * next_qy + slide * turn_y
-                if 0.0 < stick < 1.0:  # the point where sliding starts moves
-                    before_rate = (px * qx + py * qy) / before if before > 0.0 else 0.0
-                    moves = -before_rate if missing > 0.0 else 0.0
-                    moves = (moves - stick * (growth - before_rate)) / root
-                    meets = bound + stick * du * (2.0 * u - stick * du)
-                    strip_rate_x += moves * (px + stick * (next_x - px) - meets * outward_x)
-                    strip_rate_y += moves * (py + stick * (next_y - py) - meets * outward_y)
-                px, py = next_bound * outward_x, next_bound * outward_y
-                qx, qy = next_bound * turn_x, next_bound * turn_y
-                before = next_bound
-            u, bound = next_u, next_bound
+        strip_x, strip_y, strip_rate_x, strip_rate_y = strip_force(
+            nx, (grow_x - grow_s * lever) * inverse, grow_y * inverse, grow_s * a,
+            (rate_x - rate_s * lever) * inverse, rate_y * inverse, rate_s * a,
+        )  # fmt: skip
         weight = cosine * cosine
-        weight *= weight
+        weight *= weight * share
+        sum_bound += weight
         sum_x += weight * strip_x
         sum_y += weight * strip_y
         sum_rate_x += weight * strip_rate_x
         sum_rate_y += weight * strip_rate_y
-        cosine, sine = cosine * turn_cos - sine * turn_sin, sine * turn_cos + cosine * turn_sin
-    scale = peak * a * b * turn * du
-    fx, fy = -scale * sum_x, -scale * sum_y
+    scale = 1.5 * limit_n / nx / sum_bound
+    size = scale * math.sqrt(sum_x * sum_x + sum_y * sum_y)
+    if size > limit_n:  # by no more than where sliding begins is found short of
+        scale *= limit_n / size
     tangent = scale * (sum_rate_x * along_x + sum_rate_y * along_y)
-    return fx, fy, tangent, math.sqrt(fx * fx + fy * fy) / total
+    return -scale * sum_x, -scale * sum_y, tangent, min(size, limit_n) / total
+
+
+@inlined
+def _crowding(ny: int, pole: float, spread: float) -> tuple[float, float, float, float]:
+    """Strips at theta = middle + reach sinh(v), v amid `ny` equal parts: middle, reach, exp(first v) and stride of v.
+
+    Where y passes the `pole` of the slip (y/b) the stress turns over, within a width `spread` b. A force that is
+    analytic up to pole + i spread in y/b is so up to the arcsine of that in theta, middle + i arcosh(larger), and in v
+    up to i pi/2 however close that is; sinh in place of the arcosh lets the crowding vanish far away.
+    """
+    right = math.sqrt((pole + 1.0) * (pole + 1.0) + spread * spread)
+    left = math.sqrt((pole - 1.0) * (pole - 1.0) + spread * spread)
+    larger = 0.5 * (right + left)
+    middle = math.asin(2.0 * pole / (right + left))
+    reach = math.sqrt(larger * larger - 1.0)
+    # exp(arsinh(w)) is w + sqrt(w^2 + 1), and its inverse that of -w
+    start, end = (0.5 * math.pi + middle) / reach, (0.5 * math.pi - middle) / reach
+    before = start + math.sqrt(start * start + 1.0)
+    stride = math.log(before * (end + math.sqrt(end * end + 1.0))) / ny
+    return middle, reach, math.exp(0.5 * stride) / before, stride
 
 
 @compiled

@@ -22,7 +22,8 @@ LEADING, TRAILING = 0, 1  # the wheelset is displaced and yawed to the left: its
 _NARROW = (
     "the contact leaps towards the flange by 11 mm at 2.5 mm, just within the wave: 0.1 mm of gauge or amplitude "
     "moves the figure by 0.02; a level wheelset gives 0.417, displacements sampled at every 0.1 to 0.5 mm 0.40 to "
-    "0.49, and no definition tried (regression, harmonic, gauge 14.5 mm down) meets this figure and the others"
+    "0.49. The figures at 1435 and 1438 mm lie as if the gauge were 0.1 to 0.2 mm narrower, but then this one becomes "
+    "0.51; the yaw of the wave, penetration, smoothing and the depth of the gauge point do not meet it and the others"
 )
 # inclination 1:n of the rail, gauge mm, conicity at 3 mm of a wheelset that rolls as it shifts, why it deviates
 CONICITIES = (
