@@ -1,10 +1,10 @@
 """The coach linearised about steady running on straight level track: mass, damping and stiffness matrices.
 
-Creep is Kalker's linear theory without saturation, so that the matrices are those of small swings on a clean rail;
-dampers and bump stops enter with their slope at rest.
+Creep forces enter with Kalker's slopes, those of small swings on a clean rail; dampers and bump stops with their slope at
+rest.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,22 +18,33 @@ from wheel_rail.adhesion_state import RailTables
 from wheel_rail.contact_parameters import ConicalGeometry
 from wheel_rail.creep_laws import CREEP_LAWS, KalkerLinearParameters
 
+FRICTION = 0.4
 _STRAIGHT_M = 200.0
 # of coordinates (m, rad) and velocities: small against curved characteristics, large against rounding
 _STEP, _RATE_STEP = 1e-6, 1e-5
 
 
-def clean_contact(parameters: CoachParameters) -> Contact:
+def kalker_contact(parameters: CoachParameters) -> Contact:
     """The coach's wheels under Kalker's linear creep law, cut off at the friction bound."""
     law = CREEP_LAWS["kalker-linear"].in_force(KalkerLinearParameters(saturation="cut"))
+    return replace(polach_contact(parameters), law=law)
+
+
+def polach_contact(parameters: CoachParameters) -> Contact:
+    """The coach's wheels under Polach's creep law, in which large spin takes from the slopes of the creepages."""
     radius_m = 0.5 * parameters.wheelset.wheel_diameter_m
-    return Contact(parameters.contact, radius_m, parameters.static_wheel_load_n, law)
+    return Contact(parameters.contact, radius_m, parameters.static_wheel_load_n)
 
 
 def clean_rail(length_m: float, contact: Contact) -> RailTables:
-    """Rails of Polach's dry friction, peak adhesion 0.4, that no wheel has touched."""
-    dry = AdhesionParameters.model_validate({"stretches": [{"from_m": 0.0, "surface": "dry", "peak_adhesion": 0.4}]})
-    return Adhesion(dry, length_m, contact, np.random.default_rng(0)).tables(RailState(length_m))
+    """Rails that no wheel has touched, on which creep forces begin with Kalker's slopes (Polach's kA = kS = 1).
+
+    Friction is 0.4 at any slip and is not changed by wheels.
+    """
+    curve = {"mu0": FRICTION, "falling_a": 1.0, "falling_b_spm": 0.0, "k_adhesion": 1.0, "k_slip": 1.0}
+    always = {"tau_mpj": 1e-12, "degraded": curve, "recovered": curve}
+    found = AdhesionParameters.model_validate({"stretches": [{"from_m": 0.0, "recovery": always}]})
+    return Adhesion(found, length_m, contact, np.random.default_rng(0)).tables(RailState(length_m))
 
 
 @dataclass(frozen=True)
@@ -57,11 +68,11 @@ class LinearCoach:
 
 
 class Linearisation:
-    """Makes the `LinearCoach` of one coach at any speed; `contact`: None for `clean_contact`."""
+    """Makes the `LinearCoach` of one coach at any speed; `contact`: None for `kalker_contact`."""
 
     def __init__(self, parameters: CoachParameters, contact: Contact | None = None) -> None:
         self.parameters = parameters
-        self.contact = contact or clean_contact(parameters)
+        self.contact = contact or kalker_contact(parameters)
         self._track = Track(TrackParameters(length_m=_STRAIGHT_M))
         self._rail = clean_rail(_STRAIGHT_M, self.contact)
 

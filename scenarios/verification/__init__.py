@@ -10,7 +10,16 @@ __all__ = ["Case", "Outcome", "all_cases"]
 
 def all_cases() -> tuple[Case, ...]:
     """The cases of all areas, in the order of the table."""
-    from scenarios.verification import adhesion, brake, coach, contact_mechanics, creep_laws, profiles, wheelset
+    from scenarios.verification import (
+        adhesion,
+        brake,
+        coach,
+        contact_mechanics,
+        creep_laws,
+        profiles,
+        vehicle,
+        wheelset,
+    )
 
-    areas = (contact_mechanics, creep_laws, adhesion, profiles, wheelset, coach, brake)
+    areas = (contact_mechanics, creep_laws, adhesion, profiles, wheelset, coach, vehicle, brake)
     return tuple(case for area in areas for case in area.CASES)
