@@ -8,7 +8,7 @@ import numpy as np
 from vehicle.coach import Actuation, Coach, CoachState
 from vehicle.forces import CONTACT_NORMAL, CREEP
 from vehicle.layout import SPIN
-from vehicle.linear import polach_contact, clean_rail
+from vehicle.linear import clean_rail, polach_contact
 from vehicle.observation import OBSERVATION
 from vehicle.parameters import GRAVITY_MPS2, CoachParameters
 from wheel_rail import Track, TrackParameters
@@ -71,7 +71,9 @@ def run_in_curve(
 ) -> CurveLoads:
     """Run the coach, driven as much as constant speed takes, on a clean rail; it meets no running resistance."""
     still = parameters.model_copy(
-        update={"resistance": parameters.resistance.model_copy(update=dict.fromkeys(("a_n", "b_nspm", "c_ns2pm2"), 0.0))}
+        update={
+            "resistance": parameters.resistance.model_copy(update=dict.fromkeys(("a_n", "b_nspm", "c_ns2pm2"), 0.0))
+        }
     )
     contact = polach_contact(still)
     start_m = _STRAIGHT_M

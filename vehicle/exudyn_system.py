@@ -45,7 +45,7 @@ def assemble(mbs: Any, record: np.ndarray, q: np.ndarray, v: np.ndarray) -> int:
     return number
 
 
-def solver_settings(exu: ModuleType, step_s: float, longest_s: float, newton: bool) -> Any:
+def solver_settings(exu: ModuleType, step_s: float, longest_s: float, newton: bool = False) -> Any:
     """Settings of Exudyn's implicit solver for linearised steps with a Jacobian that is kept.
 
     With `newton` each step is iterated until the forces are in balance to a tenth of a newton, or to 1e-5 of what they
@@ -64,7 +64,7 @@ def solver_settings(exu: ModuleType, step_s: float, longest_s: float, newton: bo
     if newton:
         integration.newton.relativeTolerance = 1e-5
         integration.newton.absoluteTolerance = 0.1
-        # the Jacobian is approximate: iterations go on while they come nearer at all, and it is renewed where they do not
+        # the Jacobian is approximate: iterations go on while they come nearer at all; else it is renewed
         integration.newton.modifiedNewtonContractivity = 0.9
         integration.newton.maxModifiedNewtonIterations = 25
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse

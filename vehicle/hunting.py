@@ -100,7 +100,9 @@ def swing_after_kick(
     dampers with blow-off, stops; `contact`: None for `polach_contact`. The turn is spread over 20 m; recording begins when the last wheelset has left it.
     """
     still = parameters.model_copy(
-        update={"resistance": parameters.resistance.model_copy(update=dict.fromkeys(("a_n", "b_nspm", "c_ns2pm2"), 0.0))}
+        update={
+            "resistance": parameters.resistance.model_copy(update=dict.fromkeys(("a_n", "b_nspm", "c_ns2pm2"), 0.0))
+        }
     )
     contact = contact or polach_contact(still)
     reach_m = 0.5 * (still.bogie_distance_m + still.wheelbase_m) + 1.0

@@ -78,9 +78,7 @@ class Linearisation:
 
     def at(self, speed_mps: float) -> LinearCoach:
         """Central differences of the compiled forces, K = -df/dq and C = -df/dq', about steady running."""
-        record, q, v = start_state(
-            self.parameters, self.contact, self._track, self._rail, 0.5 * _STRAIGHT_M, speed_mps
-        )
+        record, q, v = start_state(self.parameters, self.contact, self._track, self._rail, 0.5 * _STRAIGHT_M, speed_mps)
         n = len(q)
         force = np.empty(n)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vehicle.forces import coach_force, forces_by_class
-from vehicle.linear import polach_contact, clean_rail
+from vehicle.linear import clean_rail, polach_contact
 from vehicle.mode_names import body_at
 from vehicle.parameters import GRAVITY_MPS2, CoachParameters
 from vehicle.start import start_state

@@ -5,7 +5,7 @@ mode's components along them are shares that sum to one. Like bodies move togeth
 rear, and the like.
 """
 
-from collections import Counter
+from collections import Counter, defaultdict
 from dataclasses import dataclass
 from functools import cache
 
@@ -75,7 +75,7 @@ def shares(shape: np.ndarray, mass: np.ndarray) -> dict[tuple[str, str, str], fl
     """
     weighted = np.sqrt(mass) * shape
     weighted = weighted / np.linalg.norm(weighted)
-    found: Counter[tuple[str, str, str]] = Counter()
+    found: dict[tuple[str, str, str], float] = defaultdict(float)
     for motion in motions(len(shape)):
         found[motion.part, motion.direction, motion.pattern] += float(abs(motion.vector @ weighted) ** 2)
     return dict(found)
@@ -89,10 +89,10 @@ def mode_name(shape: np.ndarray, mass: np.ndarray, rate: complex, speed_mps: flo
     `rate`: the eigenvalue, 1/s.
     """
     found = shares(shape, mass)
-    kinds: Counter[tuple[str, str]] = Counter()
+    kinds: dict[tuple[str, str], float] = defaultdict(float)
     for (part, direction, _), share in found.items():
         kinds[part, "sway" if part == "body" and direction in ("lateral", "roll") else direction] += share
-    part, direction = kinds.most_common(1)[0][0]
+    part, direction = max(kinds, key=lambda kind: kinds[kind])
     if (part, direction) == ("body", "sway"):
         # it turns about the point that the roll leaves where it is, at y/roll above the centre of mass
         above = (shape[LATERAL] * np.conj(shape[ROLL])).real > 0.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from scenarios.scenario_file import load_scenario
 from scenarios.verification.case import Case
-from vehicle import GRAVITY_MPS2, CoachParameters
+from vehicle import CoachParameters
 from vehicle.curving import CurveLoads, deficiency_speed_mps, run_in_curve
 from vehicle.hunting import Hunting, growth_of, hunting_speed, swing_after_kick, swings
 from vehicle.linear import Linearisation, conical, kalker_contact, polach_contact

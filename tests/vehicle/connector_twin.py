@@ -125,9 +125,7 @@ class Twin:
         inertias = [p.body, p.bogie, p.bogie]
         boxed = p.wheelset
         rows = [(b.mass_kg, b.roll_inertia_kgm2, b.pitch_inertia_kgm2, b.yaw_inertia_kgm2) for b in inertias]
-        rows += [
-            (boxed.mass_kg, boxed.roll_inertia_kgm2, boxed.box_pitch_inertia_kgm2, boxed.yaw_inertia_kgm2)
-        ] * 4
+        rows += [(boxed.mass_kg, boxed.roll_inertia_kgm2, boxed.box_pitch_inertia_kgm2, boxed.yaw_inertia_kgm2)] * 4
         self.nodes, self.bodies = [], []
         for (mass, *inertia), centre in zip(rows, self.centres, strict=True):
             node = mbs.AddNode(NodeRigidBodyRotVecLG(referenceCoordinates=[*centre, 0.0, 0.0, 0.0]))
@@ -153,6 +151,7 @@ class Twin:
             for body in (link.upper, link.lower)
         ]
         node = self.nodes[link.upper]
+        twists = bool(link.twist.any() or link.twist_damping.any())
         moment = np.zeros(3)  # of the distance between the two markers, which the upper body takes
 
         def pull(
@@ -161,10 +160,12 @@ class Twin:
             deflection = np.array(displacement)
             own = np.array(mbs.GetNodeOutput(node, exu.OutputVariableType.AngularVelocityLocal))
             force = link.force(deflection, np.array(velocity) - np.cross(own, deflection))
-            relative = Rotation.from_euler("XYZ", np.array(rotation)).as_matrix()
-            skew = 0.5 * (relative - relative.T)
-            angle = np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
-            torque = link.twist * angle + link.twist_damping * np.array(turning)
+            torque = np.zeros(3)
+            if twists:
+                relative = Rotation.from_euler("XYZ", np.array(rotation)).as_matrix()
+                skew = 0.5 * (relative - relative.T)
+                angle = np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
+                torque = link.twist * angle + link.twist_damping * np.array(turning)
             axes = np.array(mbs.GetNodeOutput(node, exu.OutputVariableType.RotationMatrix)).reshape(3, 3)
             moment[:] = axes @ np.cross(deflection, force)
             return [*force, *torque]
@@ -201,21 +202,18 @@ class Twin:
 
     def forces(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Right-hand side (42,) of M q'' = f: forces in the world and moments in body axes."""
-        data = self.mbs.systemData
-        data.SetODE2Coordinates(q)
-        data.SetODE2Coordinates_t(v)
+        self._begin_at(q, v)
         solver = exu.MainSolverExplicit()
         settings = exu.SimulationSettings()
         settings.solution.file.write = False
+        settings.timeIntegration.solverType = exu.DynamicSolverType.RK44
         solver.InitializeSolver(self.mbs, settings)
         solver.ComputeODE2RHS(self.mbs)
         return np.array(solver.GetSystemResidual())[: len(q)]
 
     def run(self, q: np.ndarray, v: np.ndarray, step_s: float, duration_s: float) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates and velocities after a swing of `duration_s`, by Runge and Kutta's fourth order."""
-        data = self.mbs.systemData
-        data.SetODE2Coordinates(q, exu.ConfigurationType.Initial)
-        data.SetODE2Coordinates_t(v, exu.ConfigurationType.Initial)
+        self._begin_at(q, v)
         settings = exu.SimulationSettings()
         settings.timeIntegration.numberOfSteps = round(duration_s / step_s)
         settings.timeIntegration.endTime = duration_s
@@ -224,4 +222,9 @@ class Twin:
         settings.solution.sensors.active = False
         exu.config.printToConsole = False
         self.mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
+        data = self.mbs.systemData
         return np.array(data.GetODE2Coordinates()), np.array(data.GetODE2Coordinates_t())
+
+    def _begin_at(self, q: np.ndarray, v: np.ndarray) -> None:
+        self.mbs.systemData.SetODE2Coordinates(q, exu.ConfigurationType.Initial)
+        self.mbs.systemData.SetODE2Coordinates_t(v, exu.ConfigurationType.Initial)

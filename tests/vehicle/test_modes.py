@@ -5,7 +5,7 @@ import pytest
 
 from vehicle import CoachParameters
 from vehicle.layout import SPIN
-from vehicle.linear import Linearisation, LinearCoach
+from vehicle.linear import LinearCoach, Linearisation
 from vehicle.mode_names import BOUNCE, LATERAL, PITCH, ROLL, YAW, mode_name, motions, shares, unique_names
 from vehicle.modes import damped_modes, undamped_modes
 
