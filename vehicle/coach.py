@@ -137,8 +137,8 @@ class Coach:
 
         `on_step` is called every `period_s`, a whole multiple of `step_s`. The coach starts at rest in its suspension,
         its wheels rolling. `newton`: iterate every step until its forces are in balance, at several times the cost, as
-        a reference for the linearised steps. Exceptions of `on_step` end the run and are raised again here. Raises SolverFailure when the
-        state stops being finite or the solver gives up.
+        a reference for the linearised steps. Exceptions of `on_step` end the run and are raised again here. Raises
+        SolverFailure when the state stops being finite or the solver gives up.
         """
         exu = load_exudyn()
         record, q, v = start_state(

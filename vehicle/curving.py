@@ -8,7 +8,7 @@ import numpy as np
 from vehicle.coach import Actuation, Coach, CoachState
 from vehicle.forces import CONTACT_NORMAL, CREEP
 from vehicle.layout import SPIN
-from vehicle.linear import clean_rail, polach_contact
+from vehicle.linear import clean_rail, polach_contact, without_resistance
 from vehicle.observation import OBSERVATION
 from vehicle.parameters import GRAVITY_MPS2, CoachParameters
 from wheel_rail import Track, TrackParameters
@@ -70,11 +70,7 @@ def run_in_curve(
     newton: bool = False,
 ) -> CurveLoads:
     """Run the coach, driven as much as constant speed takes, on a clean rail; it meets no running resistance."""
-    still = parameters.model_copy(
-        update={
-            "resistance": parameters.resistance.model_copy(update=dict.fromkeys(("a_n", "b_nspm", "c_ns2pm2"), 0.0))
-        }
-    )
+    still = without_resistance(parameters)
     contact = polach_contact(still)
     start_m = _STRAIGHT_M
     length_m = speed_mps * (settles_s + averaged_s) + _STRAIGHT_M

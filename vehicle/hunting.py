@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from vehicle.coach import Actuation, Coach, CoachState
-from vehicle.linear import Linearisation, clean_rail, conical, polach_contact
+from vehicle.linear import Linearisation, clean_rail, conical, polach_contact, without_resistance
 from vehicle.modes import RIGID_HZ
 from vehicle.observation import OBSERVATION
 from vehicle.parameters import CoachParameters
@@ -96,14 +96,11 @@ def swing_after_kick(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Time (n,) and lateral displacement of the wheelsets (n, 4) after the track has turned by a small angle.
 
-    A simulated run at constant speed (without resistance) with all that is nonlinear in the coach: profiles, creep,
-    dampers with blow-off, stops; `contact`: None for `polach_contact`. The turn is spread over 20 m; recording begins when the last wheelset has left it.
+    A simulated run at constant speed, without resistance, with all that is nonlinear in the coach: profiles, creep,
+    dampers with blow-off, stops; `contact`: None for `polach_contact`. The turn is spread over 20 m; recording begins
+    when the last wheelset has left it.
     """
-    still = parameters.model_copy(
-        update={
-            "resistance": parameters.resistance.model_copy(update=dict.fromkeys(("a_n", "b_nspm", "c_ns2pm2"), 0.0))
-        }
-    )
+    still = without_resistance(parameters)
     contact = contact or polach_contact(still)
     reach_m = 0.5 * (still.bogie_distance_m + still.wheelbase_m) + 1.0
     turn_m, start_m = 20.0, 3.0 * reach_m

@@ -1,7 +1,7 @@
 """The coach linearised about steady running on straight level track: mass, damping and stiffness matrices.
 
-Creep forces enter with Kalker's slopes, those of small swings on a clean rail; dampers and bump stops with their slope at
-rest.
+Creep forces enter with Kalker's slopes, those of small swings on a clean rail; dampers and bump stops with their slope
+at rest.
 """
 
 from dataclasses import dataclass, replace
@@ -106,3 +106,9 @@ def conical(parameters: CoachParameters, conicity: float) -> CoachParameters:
         update={"geometry": "conical", "conical": cone.model_copy(update={"conicity": conicity})}
     )
     return parameters.model_copy(update={"contact": contact})
+
+
+def without_resistance(parameters: CoachParameters) -> CoachParameters:
+    """The same coach without running resistance: it keeps its speed."""
+    none = parameters.resistance.model_copy(update={"a_n": 0.0, "b_nspm": 0.0, "c_ns2pm2": 0.0})
+    return parameters.model_copy(update={"resistance": none})
