@@ -127,9 +127,7 @@ def inspect(
     out: Annotated[
         Path, typer.Option(help="Where the folder <name>.coach is made; an older one of that name is replaced.")
     ] = Path("runs"),
-    speed: Annotated[
-        float, typer.Option(min=1.0, max=500.0, metavar="KMH", help="Speed of the swings, km/h.")
-    ] = 100.0,
+    speed: Annotated[float, typer.Option(min=1.0, max=500.0, metavar="KMH", help="Speed of the swings, km/h.")] = 100.0,
 ) -> None:
     """Show a coach: masses, static loads, suspension, modes, hunting speed, with a drawing and pictures."""
     with _exit_codes() as interruption:

@@ -74,7 +74,9 @@ def _number(value: float | None, form: str = ".4g", scale: float = 1.0) -> str:
 
 def _mass_table(sheet: CoachSheet) -> Table:
     total = sheet.parameters.mass_kg / 1e3
-    table = _table(f"masses, {total:.2f} t in all", "body", "number", "mass\nkg", "roll\nkg m²", "pitch", "yaw", "at\nm")
+    table = _table(
+        f"masses, {total:.2f} t in all", "body", "number", "mass\nkg", "roll\nkg m²", "pitch", "yaw", "at\nm"
+    )
     for body in sheet.bodies:
         inertias = (body.roll_inertia_kgm2, body.pitch_inertia_kgm2, body.yaw_inertia_kgm2)
         table.add_row(
@@ -97,11 +99,18 @@ def _load_table(sheet: CoachSheet) -> Table:
 
 
 def _spring_table(sheet: CoachSheet) -> Table:
-    axes = ("kx", "ky", "kz\nkN/m", "cx", "cy", "cz\nkNs/m", "about x", "y", "z\nkNm/rad")
-    table = _table("suspension, linear part", "each", "number", *axes)
+    table = _table("suspension, linear part of each", "element", "number", "unit", "x", "y", "z")
     for spring in sheet.springs:
-        values = (*spring.stiffness_npm, *spring.damping_nspm, *spring.rotational_stiffness_nmprad)
-        table.add_row(spring.name, str(spring.count), *(_number(value or None, ",.5g", 1e-3) for value in values))
+        rows = (
+            ("kN/m", spring.stiffness_npm),
+            ("kNs/m", spring.damping_nspm),
+            ("kNm/rad", spring.rotational_stiffness_nmprad),
+        )
+        name, count = spring.name, str(spring.count)
+        for unit, values in rows:
+            if any(values):
+                table.add_row(name, count, unit, *(_number(value or None, ",.5g", 1e-3) for value in values))
+                name = count = ""
     return table
 
 
@@ -111,21 +120,25 @@ def _characteristic_table(sheet: CoachSheet) -> Table:
         speed = "damper" in key
         slope = curve.force_n[1] / curve.x[1]
         first = f"{slope / 1e3:,.4g} {'kNs/m' if speed else 'kN/m'}" if slope else f"free to {1e3 * curve.x[1]:g} mm"
-        last = f"{curve.force_n[-1] / 1e3:g} kN at " + (f"{curve.x[-1]:g} m/s" if speed else f"{1e3 * curve.x[-1]:g} mm")
+        last = f"{curve.force_n[-1] / 1e3:g} kN at " + (
+            f"{curve.x[-1]:g} m/s" if speed else f"{1e3 * curve.x[-1]:g} mm"
+        )
         table.add_row(key, first, last)
     return table
 
 
 def _mode_table(sheet: CoachSheet) -> Table:
     kmh = KMH_PER_MPS * sheet.speed_mps
-    table = _table(f"swings at {kmh:.0f} km/h, dampers and creep as for small ones", "mode", "frequency\nHz", "damping\n%")
+    table = _table(
+        f"swings at {kmh:.0f} km/h, dampers and creep as for small ones", "mode", "frequency\nHz", "damping\n%"
+    )
     for mode in sheet.modes:
         table.add_row(mode.name, f"{mode.frequency_hz:.2f}", f"{100.0 * mode.damping_ratio:.1f}")
     return table
 
 
 def _hunting_table(sheet: CoachSheet) -> Table:
-    table = _table("hunting, linearised", "wheels", "conicity", "critical speed\nkm/h", "frequency\nHz")
+    table = _table("hunting, critical speed by linear theory", "wheels", "conicity", "speed\nkm/h", "swing\nHz")
     for on, found in sheet.hunting:
         conicity = "-" if found.conicity != found.conicity else f"{found.conicity:.3f}"
         speed = "stable" if found.speed_mps is None else f"{KMH_PER_MPS * found.speed_mps:.0f}"
@@ -135,9 +148,7 @@ def _hunting_table(sheet: CoachSheet) -> Table:
 
 def _curve_table(sheet: CoachSheet) -> Table:
     title = f"steady in a left-hand curve of {CURVE_RADIUS_M:g} m, cant {CURVE_CANT_MM:g} mm"
-    table = _table(
-        title, "cant deficiency", "speed\nkm/h", "left rail\nkN", "right rail\nkN", "body's roll\nmrad", "flexibility"
-    )
+    table = _table(title, "deficiency", "speed\nkm/h", "left rail\nkN", "right rail\nkN", "roll\nmrad", "flexibility")
     for curve in sheet.curves:
         loads = curve.loads
         table.add_row(

@@ -106,6 +106,8 @@ def mode_name(shape: np.ndarray, mass: np.ndarray, rate: complex, speed_mps: flo
     else:
         patterns = {p: share for (a, b, p), share in found.items() if (a, b) == (part, direction)}
     pattern = max(patterns, key=lambda key: patterns[key])
+    if (part, direction) == ("wheelset", "pitch"):
+        part = "axle boxes'"  # what does not spin of a wheelset
     return " ".join(filter(None, (part, direction))) + (f", {pattern}" if pattern else "")
 
 

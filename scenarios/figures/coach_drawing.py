@@ -13,7 +13,13 @@ from vehicle import CoachParameters
 
 X, Y, Z = range(3)
 BODY_COLOUR, FRAME_COLOUR, WHEEL_COLOUR, SIZE_COLOUR = "#555555", "#222222", "black", "#777777"
-HALF_LENGTH_M = {"spring": 0.17, "vertical damper": 0.17, "lateral damper": 0.28, "yaw damper": 0.4, "traction rod": 0.4}
+HALF_LENGTH_M = {
+    "spring": 0.17,
+    "vertical damper": 0.17,
+    "lateral damper": 0.28,
+    "yaw damper": 0.4,
+    "traction rod": 0.4,
+}
 BESIDE_M = 0.13  # a damper stands beside its spring
 
 
@@ -95,7 +101,7 @@ def _symbol(axes: Axes, element: Element, across: int, up: int) -> None:
         place = place + np.array([BESIDE_M if across == X else -np.sign(point[Y]) * BESIDE_M, 0.0])
     if element.kind == "lateral damper":
         # drawn towards the middle of the coach, off its spring
-        place = place + np.array([-np.sign(point[Y]) * 0.45, 0.0] if across == Y else [0.0, -np.sign(point[Y]) * 0.45])
+        place = place - 0.45 * np.sign(point[Y]) * np.array([across == Y, up == Y])
     if direction not in (across, up):
         axes.plot(*place, marker="o", markersize=3.5, markerfacecolor="white", color=colour, linewidth=0.0)
         return
@@ -140,7 +146,14 @@ def _size(axes: Axes, start: tuple[float, float], end: tuple[float, float], text
     middle = (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1]))
     box = {"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.9}
     axes.text(
-        *middle, text, fontsize=7.5, color="#333333", ha="center", va="center", rotation=0.0 if level else 90.0, bbox=box
+        *middle,
+        text,
+        fontsize=7.5,
+        color="#333333",
+        ha="center",
+        va="center",
+        rotation=0.0 if level else 90.0,
+        bbox=box,
     )
 
 
@@ -152,7 +165,7 @@ def _side_sizes(axes: Axes, p: CoachParameters) -> None:
     half, below = 0.5 * p.bogie_distance_m, -0.55
     _size(axes, (-half, below), (half, below), _millimetres(p.bogie_distance_m))
     axle = half + 0.5 * p.wheelbase_m
-    _size(axes, (axle - p.wheelbase_m, below), (axle, below), _millimetres(p.wheelbase_m))
+    _size(axes, (axle - p.wheelbase_m, 2.0 * below), (axle, 2.0 * below), _millimetres(p.wheelbase_m))
     _size(axes, (0.6, 0.0), (0.6, p.body.height_m), _millimetres(p.body.height_m))
 
 

@@ -37,7 +37,7 @@ def draw_wheel_loads(sheet: CoachSheet) -> Figure:
     """Wheel by wheel: at rest, and in the curve at each cant deficiency."""
     cases = [("standing on level track", sheet.loads.wheel_load_n)] + [
         (
-            f"{CURVE_RADIUS_M:g} m to the left, cant {CURVE_CANT_MM:g} mm, deficiency {curve.deficiency_mm:g} mm",
+            f"{CURVE_RADIUS_M:g} m left, cant {CURVE_CANT_MM:g} mm, deficiency {curve.deficiency_mm:g} mm",
             curve.loads.wheel_load_n,
         )
         for curve in sheet.curves
@@ -45,7 +45,10 @@ def draw_wheel_loads(sheet: CoachSheet) -> Figure:
     figure = Figure(figsize=(WIDTH_IN, 3.6), dpi=DPI)
     figure.suptitle(f"{sheet.name}: wheel loads", fontsize=11, fontweight="bold")
     panels = figure.subplots(
-        1, len(cases), sharey=True, gridspec_kw={"left": 0.06, "right": 0.99, "bottom": 0.14, "top": 0.82, "wspace": 0.06}
+        1,
+        len(cases),
+        sharey=True,
+        gridspec_kw={"left": 0.06, "right": 0.99, "bottom": 0.14, "top": 0.82, "wspace": 0.06},
     )
     places = np.arange(1, 5)
     for axes, (title, loads) in zip(np.atleast_1d(panels), cases, strict=True):

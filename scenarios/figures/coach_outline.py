@@ -77,6 +77,8 @@ def _wheelset(radius: float) -> list[NDArray[np.float64]]:
         np.column_stack([radius * np.cos(around), np.full(_ROUND + 1, y), radius * np.sin(around)])
         for y in (TREAD_HALF_SPACING_M, -TREAD_HALF_SPACING_M)
     ]
+    # a spoke tells how far it has turned
+    wheels += [np.array([(0.0, y, 0.0), (0.0, y, radius)]) for y in (TREAD_HALF_SPACING_M, -TREAD_HALF_SPACING_M)]
     return [*wheels, np.array([(0.0, AXLE_HALF_LENGTH_M, 0.0), (0.0, -AXLE_HALF_LENGTH_M, 0.0)])]
 
 

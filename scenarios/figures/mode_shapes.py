@@ -12,7 +12,7 @@ from scenarios.units import KMH_PER_MPS
 from vehicle.modes import DampedMode
 
 SHOWN, COLUMNS = 12, 3
-LARGEST_M = 0.75  # displacement to which a shape is drawn
+LARGEST_M, LARGEST_RAD = 0.75, 0.4  # displacement, or turn, to which a shape is drawn
 MOVED_COLOURS = ("#1f77b4", "#d62728", "#2ca02c")  # carbody, bogies, wheelsets
 HIGHEST_HZ = 25.0
 # the coach is seen from its right side, ahead and above: where a metre along x, y, z goes on the paper
@@ -44,7 +44,8 @@ def _draw_shape(axes: Axes, shape: Outline, mode: DampedMode) -> None:
         for body, lines in enumerate(shape.lines)
     ]
     largest = max(float(np.abs(part).max()) for parts in moved for part in parts)
-    scale = LARGEST_M / largest if largest > 0.0 else 0.0
+    turned = float(np.abs(mode.shape.real[:42].reshape(7, 6)[:, 3:]).max())
+    scale = min(LARGEST_M / max(largest, 1e-9), LARGEST_RAD / max(turned, 1e-9))
     for body, lines in enumerate(shape.lines):
         colour = MOVED_COLOURS[0 if body == 0 else 1 if body < 3 else 2]
         for line, part in zip(lines, moved[body], strict=True):
@@ -65,7 +66,7 @@ def draw_root_locus(sheet: CoachSheet) -> Figure:
     figure = Figure(figsize=(WIDTH_IN, 4.6), dpi=DPI)
     figure.suptitle(f"{sheet.name}: swings over speed", fontsize=11, fontweight="bold")
     plane, growth, hunting = figure.subplots(
-        1, 3, gridspec_kw={"left": 0.06, "right": 0.985, "bottom": 0.12, "top": 0.88, "wspace": 0.24}
+        1, 3, gridspec_kw={"left": 0.06, "right": 0.985, "bottom": 0.12, "top": 0.88, "wspace": 0.34}
     )
     locus = sheet.locus
     kmh = KMH_PER_MPS * locus.speed_mps
@@ -96,7 +97,9 @@ def draw_root_locus(sheet: CoachSheet) -> Figure:
     for on, found in sheet.hunting:
         if on != "cones" and found.speed_mps is not None and np.isfinite(found.conicity):
             look = {"marker": "s", "color": "#ff7f0e", "linestyle": "none"}
-            hunting.plot(found.conicity, KMH_PER_MPS * found.speed_mps, label="as the profiles at 3 mm", **look)
+            hunting.plot(
+                found.conicity, KMH_PER_MPS * found.speed_mps, label="cones as steep as the profiles at 3 mm", **look
+            )
     hunting.set_xlim(0.0, 0.45)
     hunting.set_ylim(bottom=0.0)
     hunting.set_xlabel("conicity")
