@@ -101,7 +101,7 @@ class CoachSheet:
             "hunting": [
                 {
                     "on": on,
-                    "conicity": found.conicity if math.isfinite(found.conicity) else None,
+                    "conicity": found.conicity,
                     "speed_kmh": None if found.speed_mps is None else found.speed_mps * KMH_PER_MPS,
                     "frequency_hz": found.frequency_hz,
                 }
@@ -202,12 +202,12 @@ def _characteristics(section: BaseModel, path: str) -> Iterator[tuple[str, Chara
 def _hunting(coach: CoachParameters, linearisation: Linearisation) -> Iterator[tuple[str, Hunting]]:
     equivalent = profile_conicity(coach)
     if coach.contact.geometry == "profiles":
-        yield "profiles, vanishing swings", hunting_speed(linearisation, math.nan)
+        yield "profiles, vanishing swings", hunting_speed(linearisation)
         if math.isfinite(equivalent):
             words = f"cones as steep as the profiles at {1e3 * AMPLITUDE_M:g} mm"
             yield words, hunting_speed_on_cones(coach, equivalent)
     else:
-        yield "its own cones", hunting_speed(linearisation, equivalent)
+        yield "its own cones", hunting_speed(linearisation)
     for conicity in CONICITIES:
         yield "cones", hunting_speed_on_cones(coach, conicity)
 

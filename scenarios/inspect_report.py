@@ -140,9 +140,8 @@ def _mode_table(sheet: CoachSheet) -> Table:
 def _hunting_table(sheet: CoachSheet) -> Table:
     table = _table("hunting, critical speed by linear theory", "wheels", "conicity", "speed\nkm/h", "swing\nHz")
     for on, found in sheet.hunting:
-        conicity = "-" if found.conicity != found.conicity else f"{found.conicity:.3f}"
         speed = "stable" if found.speed_mps is None else f"{KMH_PER_MPS * found.speed_mps:.0f}"
-        table.add_row(on, conicity, speed, _number(found.frequency_hz, ".2f"))
+        table.add_row(on, f"{found.conicity:.3f}", speed, _number(found.frequency_hz, ".2f"))
     return table
 
 

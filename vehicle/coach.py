@@ -151,9 +151,7 @@ class Coach:
         every = round(period_s / step_s)
         if every < 1 or abs(every * step_s - period_s) > 1e-9:
             raise ValueError(f"period_s = {period_s}: must be a whole multiple of step_s = {step_s}")
-        run = _Run(mbs, system, solver, record, self._track.table, self._rail, step_s, on_step, every)
-        if newton:
-            run.iterate()
+        run = _Run(mbs, system, solver, record, self._track.table, self._rail, step_s, on_step, every, newton)
         settings = solver_settings(exu, step_s, longest_s, newton)
         collecting = gc.isenabled()
         gc.disable()  # a callback makes no cycles, and the collector would look through everything again and again
@@ -189,6 +187,7 @@ class _Run:
         step_s: float,
         on_step: OnStep,
         every: int,
+        newton: bool,
     ) -> None:
         self.t_s = 0.0
         self.steps = 0
@@ -205,6 +204,8 @@ class _Run:
             _mbs: Any, _t: float, _item: int, _q: np.ndarray, _v: np.ndarray, factor_q: float, factor_v: float
         ) -> Any:
             self.jacobians += 1
+            if newton:
+                coach["regaining"] = 1.0  # secants: tangents beyond the peak would send iterations to and fro
             coach_jacobian(q, v, factor_q, factor_v, record, jacobian)
             sparse = container()
             sparse.SetWithDenseMatrix(jacobian, False)
@@ -261,8 +262,8 @@ class _Run:
             set_parameter(system, "forceVector", force)
             return True
 
-        self.iterate: Callable[[], None] = lambda: mbs.SetPreNewtonResidualUserFunction(pre_residual)
-        """Have the forces worked out anew in every iteration of a step, not at its predictor alone."""
+        if newton:
+            mbs.SetPreNewtonResidualUserFunction(pre_residual)
 
     def raise_what_happened(self, reached: bool) -> None:
         """Raise what a callback raised, or SolverFailure when the integration broke off by itself."""

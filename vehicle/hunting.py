@@ -12,6 +12,7 @@ from vehicle.observation import OBSERVATION
 from vehicle.parameters import CoachParameters
 from wheel_rail import Contact, Track, TrackParameters
 from wheel_rail.contact_geometry import ContactGeometry
+from wheel_rail.contact_table import NODES, ROLLING_RADIUS
 from wheel_rail.equivalent_conicity import equivalent_conicity
 
 AMPLITUDE_M = 0.003
@@ -39,6 +40,13 @@ def profile_conicity(parameters: CoachParameters, amplitude_m: float = AMPLITUDE
     return float(equivalent_conicity(displacement_m, difference_m, np.array([amplitude_m]), radius_m)[0])
 
 
+def central_conicity(contact: Contact) -> float:
+    """Half the slope of the difference of the rolling radii at the centre of the table: that of small swings."""
+    left, right = contact.constants["table"][..., ROLLING_RADIUS]
+    near = slice(NODES // 2 - 1, NODES // 2 + 2)
+    return float(0.5 * np.polyfit(contact.displacement_m[near], (left - right)[near], 1)[0])
+
+
 def swings(linearisation: Linearisation, speed_mps: float) -> np.ndarray:
     """Eigenvalues of all swings at a speed, one of each pair, the fastest growing first."""
     rates = np.linalg.eigvals(linearisation.at(speed_mps).state_matrix)
@@ -63,8 +71,9 @@ class Hunting:
     frequency_hz: float | None
 
 
-def hunting_speed(linearisation: Linearisation, conicity: float, highest_mps: float = HIGHEST_MPS) -> Hunting:
+def hunting_speed(linearisation: Linearisation, highest_mps: float = HIGHEST_MPS) -> Hunting:
     """The lowest speed at which a swing stops decaying: root of the largest growth rate, to 1 mm/s."""
+    conicity = central_conicity(linearisation.contact)
 
     def growth(speed_mps: float) -> float:
         return largest_growth_1ps(linearisation, speed_mps) - _SMALL_GROWTH
@@ -81,7 +90,7 @@ def hunting_speed(linearisation: Linearisation, conicity: float, highest_mps: fl
 
 def hunting_speed_on_cones(parameters: CoachParameters, conicity: float, highest_mps: float = HIGHEST_MPS) -> Hunting:
     """Of the same coach on cones, as equivalent conicity is meant."""
-    return hunting_speed(Linearisation(conical(parameters, conicity)), conicity, highest_mps)
+    return hunting_speed(Linearisation(conical(parameters, conicity)), highest_mps)
 
 
 def swing_after_kick(

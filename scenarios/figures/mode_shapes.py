@@ -95,7 +95,7 @@ def draw_root_locus(sheet: CoachSheet) -> Figure:
         conicity, critical = np.array(cones).T
         hunting.plot(conicity, KMH_PER_MPS * critical, marker="o", color="#1f77b4", label="cones")
     for on, found in sheet.hunting:
-        if on != "cones" and found.speed_mps is not None and np.isfinite(found.conicity):
+        if on.startswith("cones as") and found.speed_mps is not None:
             look = {"marker": "s", "color": "#ff7f0e", "linestyle": "none"}
             hunting.plot(
                 found.conicity, KMH_PER_MPS * found.speed_mps, label="cones as steep as the profiles at 3 mm", **look

@@ -15,11 +15,13 @@ def all_cases() -> tuple[Case, ...]:
         brake,
         coach,
         contact_mechanics,
+        convergence,
         creep_laws,
         profiles,
+        stability,
         vehicle,
         wheelset,
     )
 
-    areas = (contact_mechanics, creep_laws, adhesion, profiles, wheelset, coach, vehicle, brake)
+    areas = (contact_mechanics, creep_laws, adhesion, profiles, wheelset, coach, vehicle, stability, convergence, brake)
     return tuple(case for area in areas for case in area.CASES)

@@ -198,7 +198,7 @@ def _balance_share() -> float:
 @cache
 def critical() -> Hunting:
     """Of the coach on its profiles, with small swings."""
-    return hunting_speed(Linearisation(coach()), math.nan)
+    return hunting_speed(Linearisation(coach()))
 
 
 def _growth_error_1ps(factor: float) -> float:

@@ -18,10 +18,11 @@ def test_steeper_cones_hunt_earlier(parameters: CoachParameters) -> None:
 
 def test_at_the_critical_speed_one_swing_neither_grows_nor_decays(parameters: CoachParameters) -> None:
     linearisation = Linearisation(conical(parameters, 0.3))
-    found = hunting_speed(linearisation, 0.3)
+    found = hunting_speed(linearisation)
     assert found.speed_mps is not None
     first, *_ = swings(linearisation, found.speed_mps)
     assert abs(first.real) < 0.01
+    assert found.conicity == pytest.approx(0.3)
     assert swings(linearisation, found.speed_mps - 1.0)[0].real < 0.0
     assert swings(linearisation, found.speed_mps + 1.0)[0].real > 0.0
 
@@ -52,7 +53,7 @@ def test_growth_is_that_of_the_signal() -> None:
 
 def test_runs_decay_below_the_critical_speed_and_grow_above(parameters: CoachParameters) -> None:
     """With Polach's law, profiles and all dampers, after a kick of a tenth of a milliradian."""
-    found = hunting_speed(Linearisation(parameters, polach_contact(parameters)), float("nan"))
+    found = hunting_speed(Linearisation(parameters, polach_contact(parameters)))
     assert found.speed_mps is not None
     ends = []
     for factor in (0.85, 1.15):
