@@ -16,7 +16,7 @@ from vehicle import OBSERVATION, Actuation, Coach, CoachState
 
 GROUP = "Convergence of the stop with the step, malvezzi-2014"
 REFERENCE = "0.25 ms with Newton's iterations"
-REFERENCE_S = 0.00025
+REFERENCE_S, SHORTEST_STEP_S = 0.00025, 0.0005  # of the reference, and of scenarios
 STEPS_S = (0.005, 0.002, 0.001)
 TICK_S = 0.01
 FROM_KMH, PEAK_ADHESION = 40.0, 0.08
@@ -38,7 +38,7 @@ class Stop:
 
 
 @cache
-def _scenario(step_s: float) -> Scenario:
+def _scenario(step_s: float, from_kmh: float) -> Scenario:
     """The built-in stop, shortened: straight level track, one kind of low rail, moderate speed."""
     return load_scenario(
         "low-adhesion-stop",
@@ -46,7 +46,7 @@ def _scenario(step_s: float) -> Scenario:
             "track.curves=[]",
             "track.gradients=[]",
             f"adhesion.stretches=[{{from_m=0.0, surface='low', peak_adhesion={PEAK_ADHESION}}}]",
-            f"simulation.initial_speed_kmh={FROM_KMH}",
+            f"simulation.initial_speed_kmh={from_kmh}",
             "simulation.initial_position_m=100.0",
             f"simulation.step_s={step_s}",
             f"simulation.longest_s={LONGEST_S}",
@@ -56,9 +56,9 @@ def _scenario(step_s: float) -> Scenario:
 
 
 @cache
-def plain_stop(step_s: float) -> Stop:
+def plain_stop(step_s: float, from_kmh: float = FROM_KMH) -> Stop:
     """Brakes that build up in two seconds to what the rail carries and stay; no wheel slide protection."""
-    scenario = _scenario(max(step_s, 0.0005))
+    scenario = _scenario(max(step_s, SHORTEST_STEP_S), from_kmh)
     line = Line(scenario)
     rows = np.zeros(round(LONGEST_S / TICK_S) + 2, OBSERVATION)
     actuation = Actuation()
@@ -73,19 +73,19 @@ def plain_stop(step_s: float) -> Stop:
 
     coach = Coach(scenario.coach, line.contact, line.track, line.rail)
     newton = step_s == REFERENCE_S
-    coach.run(step_s, LONGEST_S, 100.0, FROM_KMH / KMH_PER_MPS, on_step, TICK_S, newton)
+    coach.run(step_s, LONGEST_S, 100.0, from_kmh / KMH_PER_MPS, on_step, TICK_S, newton)
     return Stop(rows["position_m"][:count], rows["speed_mps"][:count])
 
 
 @cache
-def protected_stop(step_s: float) -> Stop:
+def protected_stop(step_s: float, from_kmh: float = FROM_KMH) -> Stop:
     """The co-simulation's own stop, brakes and wheel slide protection at work, beyond what the rail carries."""
-    scenario = _scenario(max(step_s, 0.0005))
+    scenario = _scenario(max(step_s, SHORTEST_STEP_S), from_kmh)
     line = Line(scenario)
     loop = Loop(scenario, line, lambda *_: None, lambda: False)
     coach = Coach(scenario.coach, line.contact, line.track, line.rail)
     newton = step_s == REFERENCE_S
-    speed_mps = FROM_KMH / KMH_PER_MPS
+    speed_mps = from_kmh / KMH_PER_MPS
     report = coach.run(step_s, LONGEST_S, 100.0, speed_mps, loop.on_step, loop.period_s, newton)
     motion = loop.truth(report).motion
     every = round(TICK_S / scenario.simulation.record_period_s)
