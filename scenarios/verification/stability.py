@@ -113,7 +113,7 @@ def stability_case(preset: str, speed_kmh: float) -> Case:
     """The row of one coach at one of its service speeds."""
     return Case(
         f"stability-{preset}-{speed_kmh:g}", GROUP,
-        f"{preset}, {speed_kmh:g} km/h, kinked line: largest rms of a wheelset's guiding force over 100 m, of its limit",
+        f"{preset}, {speed_kmh:g} km/h, kinked line: rms of a wheelset's guiding force over 100 m over its limit",
         "EN 14363, instability criterion (M)", (0.0, 1.0), "-", lambda: _on_kinks(preset, speed_kmh).share,
     )  # fmt: skip
 

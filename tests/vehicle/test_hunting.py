@@ -10,7 +10,7 @@ from vehicle.linear import Linearisation, conical, polach_contact
 
 
 def test_steeper_cones_hunt_earlier(parameters: CoachParameters) -> None:
-    speeds = [hunting_speed_on_cones(parameters, conicity).speed_mps for conicity in (0.2, 0.3, 0.4)]
+    speeds = [hunting_speed_on_cones(parameters, conicity).speed_mps for conicity in (0.3, 0.4)]
     assert None not in speeds
     assert speeds == sorted(speeds, key=lambda speed: -(speed or 0.0))
     assert hunting_speed_on_cones(parameters, 0.02).speed_mps is None  # the bogies' wave is long and their mass far
