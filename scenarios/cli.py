@@ -118,6 +118,31 @@ def contact(
         report_contact(Console(), loaded, out, interruption)
 
 
+@app.command()
+def inspect(
+    coach: Annotated[str, typer.Argument(help="Name of a coach preset, or a path to a .toml file of the same form.")],
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key, as in body.mass_kg=42000.")
+    ] = None,
+    out: Annotated[
+        Path, typer.Option(help="Where the folder <name>.coach is made; an older one of that name is replaced.")
+    ] = Path("runs"),
+    speed: Annotated[float, typer.Option(min=1.0, max=500.0, metavar="KMH", help="Speed of the swings, km/h.")] = 100.0,
+) -> None:
+    """Show a coach: masses, static loads, suspension, modes, hunting speed, with a drawing and pictures."""
+    with _exit_codes() as interruption:
+        use_compile_cache()
+        from scenarios.coach_file import load_coach
+
+        loaded = load_coach(coach, settings or ())
+        from rich.console import Console
+
+        from scenarios.inspect_report import report_coach
+        from scenarios.units import KMH_PER_MPS
+
+        report_coach(Console(), Path(coach).stem, loaded, speed / KMH_PER_MPS, out, interruption)
+
+
 @app.command(name="export-fmu")
 def export_fmu(
     scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or a path to a .toml file.")],

@@ -82,6 +82,12 @@ class CoachState:
         x, y, z = self._velocity.tolist()
         return math.sqrt(x * x + y * y + z * z)
 
+    @property
+    def observed(self) -> np.void:
+        """The coach's record (dtype `COACH`) as `observe` left it: rotations, track frames, reports of the contacts."""
+        record: np.void = self._watching[0]
+        return record
+
     def observe(self, t_s: float, rows: np.ndarray, row: int) -> None:
         """Write the full observation into `rows[row]`, a contiguous array of dtype `OBSERVATION`."""
         if rows is not self._rows:
@@ -125,12 +131,14 @@ class Coach:
         initial_speed_mps: float,
         on_step: OnStep,
         period_s: float,
+        newton: bool = False,
     ) -> SolveReport:
         """Integrate from the place and speed given until `on_step` returns None or `longest_s` is over.
 
         `on_step` is called every `period_s`, a whole multiple of `step_s`. The coach starts at rest in its suspension,
-        its wheels rolling. Exceptions of `on_step` end the run and are raised again here. Raises SolverFailure when the
-        state stops being finite or the solver gives up.
+        its wheels rolling. `newton`: iterate every step until its forces are in balance, at several times the cost, as
+        a reference for the linearised steps. Exceptions of `on_step` end the run and are raised again here. Raises
+        SolverFailure when the state stops being finite or the solver gives up.
         """
         exu = load_exudyn()
         record, q, v = start_state(
@@ -143,8 +151,8 @@ class Coach:
         every = round(period_s / step_s)
         if every < 1 or abs(every * step_s - period_s) > 1e-9:
             raise ValueError(f"period_s = {period_s}: must be a whole multiple of step_s = {step_s}")
-        run = _Run(mbs, system, solver, record, self._track.table, self._rail, step_s, on_step, every)
-        settings = solver_settings(exu, step_s, longest_s)
+        run = _Run(mbs, system, solver, record, self._track.table, self._rail, step_s, on_step, every, newton)
+        settings = solver_settings(exu, step_s, longest_s, newton)
         collecting = gc.isenabled()
         gc.disable()  # a callback makes no cycles, and the collector would look through everything again and again
         try:
@@ -179,6 +187,7 @@ class _Run:
         step_s: float,
         on_step: OnStep,
         every: int,
+        newton: bool,
     ) -> None:
         self.t_s = 0.0
         self.steps = 0
@@ -196,6 +205,8 @@ class _Run:
             _mbs: Any, _t: float, _item: int, _q: np.ndarray, _v: np.ndarray, factor_q: float, factor_v: float
         ) -> Any:
             self.jacobians += 1
+            if newton:
+                coach["regaining"] = 1.0  # secants: tangents beyond the peak would send iterations to and fro
             coach_jacobian(q, v, factor_q, factor_v, record, jacobian)
             sparse = container()
             sparse.SetWithDenseMatrix(jacobian, False)
@@ -246,6 +257,14 @@ class _Run:
         coach_force(q, v, force, record, track, rail)
         set_parameter(system, "forceVector", force)
         mbs.SetPreStepUserFunction(pre_step)
+
+        def pre_residual(_mbs: Any, _t: float, _iteration: int, _discontinuous: int) -> bool:
+            coach_force(q, v, force, record, track, rail)
+            set_parameter(system, "forceVector", force)
+            return True
+
+        if newton:
+            mbs.SetPreNewtonResidualUserFunction(pre_residual)
 
     def raise_what_happened(self, reached: bool) -> None:
         """Raise what a callback raised, or SolverFailure when the integration broke off by itself."""

@@ -45,8 +45,12 @@ def assemble(mbs: Any, record: np.ndarray, q: np.ndarray, v: np.ndarray) -> int:
     return number
 
 
-def solver_settings(exu: ModuleType, step_s: float, longest_s: float) -> Any:
-    """Settings of Exudyn's implicit solver for linearised steps with a Jacobian that is kept."""
+def solver_settings(exu: ModuleType, step_s: float, longest_s: float, newton: bool = False) -> Any:
+    """Settings of Exudyn's implicit solver for linearised steps with a Jacobian that is kept.
+
+    With `newton` each step is iterated until the forces are in balance to a tenth of a newton, or to 1e-5 of what they
+    lacked at first.
+    """
     settings = exu.SimulationSettings()
     integration = settings.timeIntegration
     integration.numberOfSteps = max(1, round(longest_s / step_s))
@@ -55,8 +59,14 @@ def solver_settings(exu: ModuleType, step_s: float, longest_s: float) -> Any:
     integration.adaptiveStep = False
     integration.verboseMode = 0
     integration.stepInformation = 0
-    integration.newton.active = False
+    integration.newton.active = newton
     integration.newton.useModifiedNewton = True
+    if newton:
+        integration.newton.relativeTolerance = 1e-5
+        integration.newton.absoluteTolerance = 0.1
+        # the Jacobian is approximate: iterations go on while they come nearer at all; else it is renewed
+        integration.newton.modifiedNewtonContractivity = 0.9
+        integration.newton.maxModifiedNewtonIterations = 25
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     settings.parallel.numberOfThreads = 1
     settings.solution.file.write = False

@@ -1,68 +1,85 @@
-"""Linearised coach and its undamped modes, on straight level track."""
+"""Modes of the coach on straight level track: undamped ones, and those with dampers and creep at a speed."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh
+from scipy.linalg import eig, eigh
 
-from vehicle.forces import coach_force
-from vehicle.layout import SPIN, masses
+from vehicle.layout import SPIN
+from vehicle.linear import LinearCoach, Linearisation
+from vehicle.mode_names import mode_name, unique_names
 from vehicle.parameters import CoachParameters
-from vehicle.start import start_state
-from wheel_rail import Adhesion, AdhesionParameters, Contact, RailState, Track, TrackParameters
 
-_STEP_M = 1e-6
-_STRAIGHT_M = 200.0
+RIGID_HZ = 0.05
+"""Modes below are rigid motions: rolling along, and drifting between the rails."""
 
 
 @dataclass(frozen=True)
 class Mode:
-    """An undamped mode: frequency, and the shape over all coordinates, without spin, of unit modal mass."""
+    """An undamped mode: frequency, and the shape over the coordinates without the spins, of unit modal mass."""
 
     frequency_hz: float
     shape: np.ndarray
+    name: str
 
 
-def stiffness_matrix(parameters: CoachParameters, speed_mps: float) -> tuple[np.ndarray, np.ndarray]:
-    """Mass and stiffness matrices (coordinates, coordinates) about steady running: K = -df/dq by central differences.
+@dataclass(frozen=True)
+class DampedMode:
+    """A swing exp(rate t) of the coach: `rate` = -decay + i circular frequency, 1/s; complex shape (n,), unit mass."""
 
-    Rotations are about the bodies' axes; gravity, preloads and contact stiffness are in, forces by speed are not.
-    """
-    contact = Contact(parameters.contact, 0.5 * parameters.wheelset.wheel_diameter_m, parameters.static_wheel_load_n)
-    track = Track(TrackParameters(length_m=_STRAIGHT_M))
-    dry = AdhesionParameters.model_validate({"stretches": [{"from_m": 0.0, "surface": "dry", "peak_adhesion": 0.3}]})
-    rail = Adhesion(dry, _STRAIGHT_M, contact, np.random.default_rng(0)).tables(RailState(_STRAIGHT_M))
-    record, q, v = start_state(parameters, contact, track, rail, 0.5 * _STRAIGHT_M, speed_mps)
-    coach = record[0]
+    rate: complex
+    shape: np.ndarray
+    name: str
 
-    def force(at: np.ndarray) -> np.ndarray:
-        f = np.empty(len(q))
-        coach_force(at, v, f, record, track.table, rail)
-        return f
+    @property
+    def frequency_hz(self) -> float:
+        """Of the swing itself, not of the undamped one."""
+        return self.rate.imag / (2.0 * np.pi)
 
-    stiffness = np.empty((len(q), len(q)))
-    for j in range(len(q)):
-        step = np.zeros(len(q))
-        step[j] = _STEP_M
-        stiffness[:, j] = -(force(q + step) - force(q - step)) / (2.0 * _STEP_M)
-    return np.diag(masses(coach)), stiffness
+    @property
+    def damping_ratio(self) -> float:
+        """Share of the critical damping; negative where the swing grows."""
+        return -self.rate.real / abs(self.rate)
 
 
 def undamped_modes(parameters: CoachParameters, speed_mps: float = 20.0) -> list[Mode]:
-    """Modes of the bodies by rising frequency, rigid motions left out (below 0.05 Hz).
+    """Modes of the bodies by rising frequency, rigid motions left out.
 
     The part of the stiffness that is not symmetric (creep forces) does not belong to modes and is left out.
     """
-    mass, stiffness = stiffness_matrix(parameters, speed_mps)
-    bodies = np.delete(np.arange(len(mass)), np.arange(SPIN, SPIN + 4))
-    these = np.ix_(bodies, bodies)
-    squared, shapes = eigh(0.5 * (stiffness + stiffness.T)[these], mass[these])
-    whole = np.zeros_like(mass[: len(bodies)].T)
-    whole[bodies] = shapes
+    linear = Linearisation(parameters).at(speed_mps)
+    kept = np.r_[0:SPIN, SPIN + 4 : len(linear.mass)]
+    mass, stiffness = linear.mass[np.ix_(kept, kept)], linear.stiffness[np.ix_(kept, kept)]
+    squared, shapes = eigh(0.5 * (stiffness + stiffness.T), mass)
+    frequencies, found, names = [], [], []
+    for w2, shape in zip(squared, shapes.T, strict=True):
+        if w2 > (2.0 * np.pi * RIGID_HZ) ** 2:
+            whole = np.zeros(len(linear.mass))
+            whole[kept] = shape
+            names.append(mode_name(whole, np.diag(linear.mass), 1j * np.sqrt(w2), 0.0))
+            frequencies.append(float(np.sqrt(w2) / (2.0 * np.pi)))
+            found.append(shape)
+    return [Mode(*of) for of in zip(frequencies, found, unique_names(names), strict=True)]
+
+
+def damped_modes(linear: LinearCoach) -> list[DampedMode]:
+    """The swings of the linearised coach by rising frequency; what creeps back without swinging is left out."""
+    n = len(linear.mass)
+    mass = np.diag(linear.mass)
+    rates, shapes = eig(linear.state_matrix)
+    kept = np.flatnonzero(rates.imag > 2.0 * np.pi * RIGID_HZ)
+    kept = kept[np.argsort(rates[kept].imag)]
+    found = []
+    for k in kept:
+        shape = shapes[:n, k]
+        weighted = np.sqrt(mass) * shape
+        # unit modal mass, and the coordinate with most energy real
+        scale = np.linalg.norm(weighted) * np.exp(1j * np.angle(weighted[np.argmax(np.abs(weighted))]))
+        found.append(shape / scale)
+    names = [mode_name(shape, mass, rates[k], linear.speed_mps) for k, shape in zip(kept, found, strict=True)]
     return [
-        Mode(float(np.sqrt(w2) / (2.0 * np.pi)), shape)
-        for w2, shape in zip(squared, whole.T, strict=True)
-        if w2 > (2.0 * np.pi * 0.05) ** 2
+        DampedMode(complex(rates[k]), shape, name)
+        for k, shape, name in zip(kept, found, unique_names(names), strict=True)
     ]
 
 

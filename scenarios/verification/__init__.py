@@ -16,12 +16,18 @@ def all_cases() -> tuple[Case, ...]:
         coach,
         coaches,
         contact_mechanics,
+        convergence,
         creep_laws,
         curving,
         profiles,
+        stability,
         track,
+        vehicle,
         wheelset,
     )
 
-    areas = (contact_mechanics, creep_laws, adhesion, profiles, wheelset, track, coach, coaches, curving, brake)
+    areas = (
+        contact_mechanics, creep_laws, adhesion, profiles, wheelset, track, coach, coaches, vehicle, stability, curving,
+        convergence, brake,
+    )  # fmt: skip
     return tuple(case for area in areas for case in area.CASES)

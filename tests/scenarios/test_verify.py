@@ -19,7 +19,11 @@ CASES = all_cases()
 PAGE = Path(__file__).parents[2] / "docs" / "VALIDATION.md"
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+# the reference stops of the convergence take longer than all tests of a file; a short one is in test_convergence
+QUICK = [case for case in CASES if not case.id.startswith("convergence-")]
+
+
+@pytest.mark.parametrize("case", QUICK, ids=lambda case: case.id)
 def test_figure(case: Case) -> None:
     """Within its tolerance, or known to deviate: such a mark must go when the figure is reached."""
     outcome = Outcome(case, case.obtain())

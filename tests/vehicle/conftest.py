@@ -53,6 +53,7 @@ class Bench:
         brake: Callable[[float], np.ndarray | float] = lambda t: 0.0,
         drive: Callable[[float], float] = lambda t: 0.0,
         until: Callable[[CoachState], bool] = lambda state: False,
+        newton: bool = False,
     ) -> tuple[np.ndarray, SolveReport]:
         rows = np.zeros(round(duration_s / RECORD_S) + 2, OBSERVATION)
         count = 0
@@ -69,7 +70,7 @@ class Bench:
             return actuation
 
         self.rail.state[:] = 0.0
-        report = self.coach.run(step_s, duration_s, position_m, speed_mps, on_step, RECORD_S)
+        report = self.coach.run(step_s, duration_s, position_m, speed_mps, on_step, RECORD_S, newton)
         return rows[:count], report
 
 
