@@ -49,7 +49,7 @@ class PointMass:
 
 
 POINT_MASSES: dict[str, PointMass] = {
-    # r0, r1, r2: those of the coach malvezzi-2014, in N per kN of its weight; rho: four wheelsets of 110 kg m2 at 0.46 m
+    # the coach malvezzi-2014: its resistance per kN of its weight; four wheelsets of 110 kg m2 on wheels of 0.46 m
     "point-mass": PointMass((1.589, 0.009319, 1.1442e-4), 0.037, "sound"),
     "point-mass-as-printed": PointMass((0.78, 0.7, 0.001), 0.0, "printed"),
 }
@@ -80,7 +80,7 @@ class Line:
         tight = np.flatnonzero(~(np.abs(self.radius_m) >= SMALLEST_RADIUS_M))
         if len(tight):
             raise ValueError(
-                f"radius_m[{tight[0]}] = {self.radius_m[tight[0]]}: at least {SMALLEST_RADIUS_M:g} m either way is needed"
+                f"radius_m[{tight[0]}] = {self.radius_m[tight[0]]}: at least {SMALLEST_RADIUS_M:g} either way is needed"
             )
 
     def gradient_at(self, position_m: np.ndarray) -> np.ndarray:
@@ -135,13 +135,11 @@ def readings(model: PointMass, position_m: np.ndarray, speed_mps: np.ndarray, li
         clipped = (speed_mps <= 0.0) | (speed_mps >= model.largest_speed_kmh / KMH_PER_MPS)
         longitudinal = np.where(clipped, along_mps2, acceleration)
     return PointMassStream(
-        t_s=STEP_S * np.arange(len(speed_mps)),
+        t_s=STEP_S * np.arange(len(speed_mps), dtype=np.float64),
         position_m=position_m,
         speed_mps=speed_mps,
         acceleration_mps2=acceleration,
         gradient_permille=gradient,
         curvature_radpm=curvature,
-        specific_force_mps2=np.stack(
-            [longitudinal, speed_mps**2 * curvature, GRAVITY_MPS2 * np.cos(angle)], axis=1
-        ),
+        specific_force_mps2=np.stack([longitudinal, speed_mps**2 * curvature, GRAVITY_MPS2 * np.cos(angle)], axis=1),
     )

@@ -39,8 +39,9 @@ def drive_point_mass(scenario: Scenario, model: PointMass) -> PointMassStream:
     start_mps = simulation.initial_speed_kmh / KMH_PER_MPS
     state = np.array([simulation.initial_position_m, start_mps, 0.0, 0.0])
     effective_kg = (1.0 + model.rotating_share) * coach.mass_kg
-    outer_m, inner_m = 0.5 * (coach.bogie_distance_m + coach.wheelbase_m), 0.5 * (
-        coach.bogie_distance_m - coach.wheelbase_m
+    outer_m, inner_m = (
+        0.5 * (coach.bogie_distance_m + coach.wheelbase_m),
+        0.5 * (coach.bogie_distance_m - coach.wheelbase_m),
     )
     constants = np.array(
         [

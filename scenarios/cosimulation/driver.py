@@ -56,7 +56,7 @@ class DriverPhase(BaseModel):
             given, belongs = getattr(self, key) is not None, self.action in actions
             if (given and not belongs) or (needed and belongs and not given):
                 names = " and ".join(f"'{action}'" for action in actions)
-                raise ValueError(f"{key}: " + (f"belongs with action = {names} only" if given else f"needed with action = {names}"))
+                raise ValueError(f"{key}: {'belongs' if given else 'needed'} with action = {names}" + " only" * given)
         return self
 
     @property

@@ -2,20 +2,24 @@
 
 from collections.abc import Iterable
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from scenarios.figures.style import AXLE_COLOURS, TRUE_COLOUR, legend, new_figure, plot
 from scenarios.metrics import stop_span
+from scenarios.path_classes import DEGRADED_BELOW
 from scenarios.truth import Truth
 from scenarios.units import KMH_PER_MPS
 from sensors.readings import BaliseReadings
 
 MARK_COLOUR = "#d62728"
+DEGRADED_COLOUR = "#fbe5c8"
 
 
 def draw_line(truth: Truth, balises: BaliseReadings) -> Figure:
-    """Marked: where the brake was demanded, where the coach stopped, where balises were read."""
+    """Marked: where the brake was demanded, where the coach stopped, where balises were read, where the rail is
+    slippery (shaded)."""
     motion, wheelsets = truth.motion, truth.wheelsets
     figure, panels = new_figure("The line and the run over it", 8.2, rows=5, height_ratios=[1.4, 1.4, 1.0, 1.0, 1.0])
     speed, adhesion, gradient, curvature, cant = panels
@@ -35,11 +39,26 @@ def draw_line(truth: Truth, balises: BaliseReadings) -> Figure:
         axes.text(0.995, 0.9, f"positive: {signs}", transform=axes.transAxes, ha="right", va="top", fontsize=8)
     cant.set_xlabel("position  m")
     mark_stop(panels, truth)
+    _shade_degraded(panels, truth)
     for axes in panels:
         for k, told_m in enumerate(balises.position_m):
             axes.axvline(told_m, color="grey", linestyle=":", linewidth=0.9, label="balise" if k == 0 else None)
     legend(speed, place="lower left")
     return figure
+
+
+def _shade_degraded(panels: Iterable[Axes], truth: Truth) -> None:
+    """Where the first wheelset found less peak adhesion than `DEGRADED_BELOW`; the first panel has its name."""
+    position_m, peak = truth.wheelsets.position_m[:, 0], truth.wheelsets.peak_adhesion[:, 0]
+    borders = np.flatnonzero(np.diff(peak < DEGRADED_BELOW, prepend=False, append=False))
+    begins, ends = position_m[borders[::2]], position_m[np.minimum(borders[1::2], len(position_m) - 1)]
+    spans = list(zip(begins, ends - begins, strict=True))
+    for k, axes in enumerate(panels):
+        label = f"peak adhesion below {DEGRADED_BELOW:g}" if k == 0 and spans else None
+        axes.broken_barh(
+            spans, (0.0, 1.0), transform=axes.get_xaxis_transform(), color=DEGRADED_COLOUR, linewidth=0.0, zorder=0.2,
+            label=label,
+        )  # fmt: skip
 
 
 def mark_stop(panels: Iterable[Axes], truth: Truth) -> None:
