@@ -43,7 +43,7 @@ def draw_line(truth: Truth, balises: BaliseReadings) -> Figure:
     for axes in panels:
         for k, told_m in enumerate(balises.position_m):
             axes.axvline(told_m, color="grey", linestyle=":", linewidth=0.9, label="balise" if k == 0 else None)
-    legend(speed, place="lower left")
+    legend(speed, columns=4, place="lower center")
     return figure
 
 
