@@ -72,7 +72,8 @@ def drive_point_mass(scenario: Scenario, model: PointMass) -> PointMassStream:
         blocks.append(rows)
         moved = moved or state[V] > 0.0
         stood_s = stood_s + DRIVER_PERIOD_S if moved and state[V] <= _STANDS_MPS else 0.0
-        if stood_s >= STANDSTILL_LASTS_S and state[DEMAND] > 0.0 and not driver.goes_on:
+        stays = state[DEMAND] > 0.0 and driver.demand > 0.0 and not driver.goes_on
+        if stood_s >= STANDSTILL_LASTS_S and stays:
             break
         if state[S] > line.places_m[1]:
             break
@@ -111,10 +112,10 @@ def _advance(
                 rail_condition(s + offsets_m[i], side, v, rail, condition)
                 peak, _ = offered_adhesion(law[0], law[1], extra, v, load_n, patch, condition, shear, False)
                 found += peak * load_n
-        u = s / 100.0
+        u = s / SLOPE_SPACING_M
         i = min(max(int(u), 0), slope.shape[0] - 2)
         permille = slope[i] + (u - i) * (slope[i + 1] - slope[i])
-        kmh = 3.6 * v
+        kmh = KMH_PER_MPS * v
         drag = np.sum(brake[0].track_brake_force_n) + weight * np.sin(np.arctan(permille / 1000.0))
         if v > 0.0:
             drag += weight / 1000.0 * (resistance[0] + kmh * (resistance[1] + kmh * resistance[2]))
@@ -124,8 +125,8 @@ def _advance(
             a = min((asked - drag) / effective, (driven_share * found - drag) / mass)
         else:
             a = max((asked - drag) / effective, (-found - drag) / mass)
-        w = min(max(v + a * 0.01, 0.0), largest)
-        state[S] = s + 0.5 * (v + w) * 0.01
+        w = min(max(v + a * STEP_S, 0.0), largest)
+        state[S] = s + 0.5 * (v + w) * STEP_S
         state[V] = w
         rows[k, 0] = state[S]
         rows[k, 1] = w

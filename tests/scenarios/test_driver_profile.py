@@ -37,7 +37,7 @@ def test_acceleration_keeps_to_its_limit() -> None:
     t, speed = rows[:, 0], rows[:, 2]
     on_the_way = (t > 20.0) & (t < 55.0)
     assert np.polyfit(t[on_the_way], speed[on_the_way], 1)[0] == pytest.approx(0.4, rel=0.02)
-    assert 3.6 * speed.max() < 91.0
+    assert 3.6 * speed.max() < 92.0
     assert 3.6 * speed[-1] == pytest.approx(90.0, abs=0.3)
 
 

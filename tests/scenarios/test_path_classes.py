@@ -37,7 +37,9 @@ def test_speed_classes_of_a_stop_by_time_and_by_distance(make_truth: MakeTruth) 
     by_time = ((low / a + 1.0) / time, (high - low) / a / time, (held + (v - high) / a) / time)
     assert figures.by_time.speed == pytest.approx([100.0 * share for share in by_time], abs=0.02)
     below, up_to = low * low / (2.0 * a) / way, high * high / (2.0 * a) / way
-    assert figures.by_distance.speed == pytest.approx([100.0 * below, 100.0 * (up_to - below), 100.0 * (1.0 - up_to)], abs=0.02)
+    assert figures.by_distance.speed == pytest.approx(
+        [100.0 * below, 100.0 * (up_to - below), 100.0 * (1.0 - up_to)], abs=0.02
+    )
 
 
 def test_yaw_rate_slope_and_adhesion_of_their_places(make_truth: MakeTruth, changed: Changed) -> None:

@@ -40,7 +40,9 @@ def test_resistance_as_printed_is_zero_at_rest_and_out_of_reason_at_speed() -> N
     assert printed.resistance(200.0 / 3.6) == pytest.approx(0.78 + 140.0 + 40.0)
     # a coach's own resistance is 8 N/kN there: 873 N + 18.43 N per m/s + 0.8146 N per (m/s)^2
     v = 200.0 / 3.6
-    assert sound.resistance(v) == pytest.approx((873.0 + 18.43 * v + 0.8146 * v * v) / (MASS_KG * GRAVITY) * 1e3, rel=2e-3)
+    assert sound.resistance(v) == pytest.approx(
+        (873.0 + 18.43 * v + 0.8146 * v * v) / (MASS_KG * GRAVITY) * 1e3, rel=2e-3
+    )
 
 
 def test_gradient_is_interpolated_between_its_hundred_metres() -> None:

@@ -176,9 +176,7 @@ def test_places_that_cannot_be_written_are_refused_before_the_work(
 
 def test_areas_are_left_out_by_name() -> None:
     without = {case.id for case in all_cases(without=["paths", "brake"])}
-    assert without == {case.id for case in CASES if not case.id.startswith("path-")} - {
-        case.id for case in brake.CASES
-    }
+    assert without == {case.id for case in CASES if not case.id.startswith("path-")} - {case.id for case in brake.CASES}
     result = CliRunner().invoke(app, ["verify", "--without", "brakes"])
     assert result.exit_code == 2
     assert "'brakes'" in result.stderr
