@@ -100,7 +100,7 @@ def degraded_phases(truth: Truth, degraded: NDArray[np.bool_]) -> tuple[Degraded
     moving = motion.speed_mps > 0.0
     state = np.where(braked, 2, np.where(driven, 1, 0)) * (degraded & moving)
     begins = np.flatnonzero(np.diff(state, prepend=0) != 0)
-    ends = np.append(begins[1:], len(state))
+    ends = np.append(begins, len(state))[1:]
     slip = np.abs(wheelsets.slip) * (motion.speed_mps > SLIP_COUNTS_ABOVE_MPS)[:, None]
     return tuple(
         DegradedPhase(

@@ -63,7 +63,7 @@ def test_brakes_to_a_speed_and_accelerates_at_once() -> None:
             {"action": "hold", "speed_kmh": 80.0},
             {"from_m": 3000.0, "action": "coast"},
         ),
-        120.0,
+        180.0,
         speed_mps=30.0,
     )
     speed, demand = 3.6 * rows[:, 2], rows[:, 4]
@@ -158,5 +158,5 @@ def test_a_run_goes_on_after_the_station_and_ends_at_the_last_stop() -> None:
     assert truth.solve.ended == "standstill"
     assert motion.position_m[-1] > 110.0
     at_station = motion.t_s[stands & (motion.position_m < 100.0)]
-    assert at_station[-1] - at_station[0] == pytest.approx(4.0, abs=1.0)
+    assert 4.0 <= at_station[-1] - at_station[0] < 8.0  # the brakes release only then
     assert motion.t_s[-1] - motion.t_s[begins[-1]] < 3.0
