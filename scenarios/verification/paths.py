@@ -90,9 +90,8 @@ def run_path(number: int, stop_requested: Callable[[], bool] = lambda: False) ->
     motion = truth.motion
     every = slice(None, None, round(COURSE_PERIOD_S / (motion.t_s[1] - motion.t_s[0])))
     course = (motion.t_s[every], motion.position_m[every], motion.speed_mps[every])
-    sloping, curved = (np.flatnonzero(values != 0.0) for values in (motion.gradient_permille, motion.curvature_radpm))
-    slope_row = sloping[:1]
-    curve_row = curved[np.append(np.diff(curved) > 1, True)][:1]  # the last one of the first curve
+    slope_row = np.flatnonzero(motion.gradient_permille != 0.0)[:1]
+    curve_row = np.flatnonzero(np.diff((motion.curvature_radpm != 0.0).astype(int)) < 0)[:1]  # the last one in it
     met = (float(KMH_PER_MPS * motion.speed_mps[row].max(initial=-np.inf)) for row in (slope_row, curve_row))
     return PathRun(path_figures(truth), energy_error(motion), *course, *met)
 
