@@ -90,10 +90,15 @@ def run_path(number: int, stop_requested: Callable[[], bool] = lambda: False) ->
     motion = truth.motion
     every = slice(None, None, round(COURSE_PERIOD_S / (motion.t_s[1] - motion.t_s[0])))
     course = (motion.t_s[every], motion.position_m[every], motion.speed_mps[every])
+    return PathRun(path_figures(truth), energy_error(motion), *course, *first_met_kmh(motion))
+
+
+def first_met_kmh(motion: MotionStream) -> tuple[float, float]:
+    """Speed where the first slope begins and where the first curve ends; -inf without one."""
     slope_row = np.flatnonzero(motion.gradient_permille != 0.0)[:1]
     curve_row = np.flatnonzero(np.diff((motion.curvature_radpm != 0.0).astype(int)) < 0)[:1]  # the last one in it
-    met = (float(KMH_PER_MPS * motion.speed_mps[row].max(initial=-np.inf)) for row in (slope_row, curve_row))
-    return PathRun(path_figures(truth), energy_error(motion), *course, *met)
+    slope_mps, curve_mps = (float(motion.speed_mps[row].max(initial=-np.inf)) for row in (slope_row, curve_row))
+    return KMH_PER_MPS * slope_mps, KMH_PER_MPS * curve_mps
 
 
 def run_all(workers: int, interruption: Interruption) -> Iterator[int]:

@@ -1,12 +1,14 @@
 """The ten test paths: their files, and one of them run whole against its row of the published tables."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from scenarios.cosimulation.line import Line
 from scenarios.scenario_file import load_scenario
 from scenarios.verification import Case, Outcome
-from scenarios.verification.paths import PUBLISHED, path_cases
+from scenarios.verification.paths import PUBLISHED, first_met_kmh, path_cases
 
 RUN = 3
 """The shortest path, with curves and slopes."""
@@ -54,3 +56,13 @@ def test_curves_of_path_5_are_taken_at_balance_speed() -> None:
         cant = np.arcsin(line.track.cant_mm(middle)[0] / 1500.0)
         balance_kmh = 3.6 * np.sqrt(9.80665 * np.tan(cant) / line.track.curvature_radpm(middle)[0])
         assert min(abs(balance_kmh - speed) for speed in speeds) < 1.0
+
+
+def test_where_the_first_slope_begins_and_the_first_curve_ends(make_truth: Any, changed: Any) -> None:
+    """At 40 m/s less 1 m/s2 from 0 s on: slope from 5 s, curves from 8 to 12 s and from 20 s."""
+    motion = make_truth(initial_speed_mps=40.0, deceleration_mps2=1.0, brake_at_s=0.0).motion
+    t_s, zero = motion.t_s, np.zeros(len(motion))
+    assert first_met_kmh(changed(motion, gradient_permille=zero, curvature_radpm=zero)) == (-np.inf, -np.inf)
+    curvature = np.where(((t_s > 8.0) & (t_s < 12.0)) | (t_s > 20.0), 1e-3, 0.0)
+    met = first_met_kmh(changed(motion, gradient_permille=np.where(t_s > 5.0, 10.0, 0.0), curvature_radpm=curvature))
+    assert met == pytest.approx((3.6 * 35.0, 3.6 * 28.0), abs=0.05)
