@@ -198,16 +198,43 @@ def verify(
             "--write-docs", metavar="DIR", help="Write the table to DIR/VALIDATION.md, with its pictures beside it."
         ),
     ] = None,
+    without: Annotated[
+        list[str] | None,
+        typer.Option(metavar="AREA", help="Leave out an area, as in --without paths, the longest; may be repeated."),
+    ] = None,
 ) -> None:
     """Check the program against published figures and closed forms; fails if one misses its tolerance."""
-    with _exit_codes():
+    with _exit_codes() as interruption:
         use_compile_cache()
         from rich.console import Console
 
         from scenarios.verification.command import verify_and_report
 
-        if not verify_and_report(Console(), Console(stderr=True), json_file, docs):
+        if not verify_and_report(Console(), Console(stderr=True), json_file, docs, without or (), interruption):
             raise typer.Exit(FAILED)
+
+
+@app.command(name="compare-models")
+def compare_models(
+    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or a path to a .toml file.")],
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key, as in run.")
+    ] = None,
+    model: Annotated[
+        str, typer.Option(help="The reduced model: point-mass, or point-mass-as-printed in the thesis.")
+    ] = "point-mass",
+) -> None:
+    """Drive a scenario by the coach and by a point mass, and show how far they are apart."""
+    with _exit_codes() as interruption:
+        use_compile_cache()
+        from scenarios.scenario_file import load_scenario
+
+        loaded = load_scenario(scenario, settings or ())
+        from rich.console import Console
+
+        from scenarios.compare_models import compare_and_report
+
+        compare_and_report(Console(), loaded, model, interruption)
 
 
 @app.command(name="wsp-test")

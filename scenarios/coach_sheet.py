@@ -14,7 +14,7 @@ from vehicle.curving import CurveLoads, deficiency_speed_mps, run_in_curve
 from vehicle.hunting import AMPLITUDE_M, Hunting, hunting_speed, hunting_speed_on_cones, profile_conicity, swings
 from vehicle.linear import Linearisation
 from vehicle.modes import DampedMode, damped_modes
-from vehicle.parameters import CoachParameters
+from vehicle.parameters import GRAVITY_MPS2
 from vehicle.static_loads import StaticLoads, static_loads
 
 CONICITIES = (0.05, 0.1, 0.2, 0.3, 0.4)

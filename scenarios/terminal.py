@@ -29,7 +29,8 @@ class TerminalWatcher(Watcher):
         self._compiles = compiles
         self._longest_s = scenario.simulation.longest_s
         self._brake_from_m = max(
-            (phase.from_m for phase in scenario.driver.phases if phase.action == "brake"), default=None
+            (phase.from_m for phase in scenario.driver.phases if phase.from_m is not None and phase.demand is not None),
+            default=None,
         )
         console = Console(stderr=True)
         self._progress = Progress(

@@ -30,7 +30,8 @@ LARGEST_CREEP = 0.3
 """Peak adhesion is the maximum over creep up to here."""
 
 RECOVERY_PRESETS: dict[str, Path] = {
-    name: Path(__file__).parent / "presets" / f"{name}.toml" for name in ("allotta-2014", "low-recovering")
+    name: Path(__file__).parent / "presets" / f"{name}.toml"
+    for name in ("allotta-2014", "low-recovering", "malvezzi-degraded")
 }
 
 

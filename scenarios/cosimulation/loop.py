@@ -205,7 +205,8 @@ class Loop:
         driver.step(position_m, speed_mps)
         # at rest under brakes, having moved, for long enough to end the run
         if numbers["still_ticks"].item() * TICK_S >= STANDSTILL_LASTS_S and numbers["moved"]:
-            self.stopped = self._demand > 0.0 and self._outside is None
+            stays = driver.demand > 0.0 and not driver.goes_on
+            self.stopped = self._demand > 0.0 and stays and self._outside is None
 
     def _drive(self, traction_n: float, demand: float) -> None:
         self._numbers["demand"] = self._demand = demand

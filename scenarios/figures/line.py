@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from scenarios.figures.style import AXLE_COLOURS, TRUE_COLOUR, legend, new_figure, plot
 from scenarios.metrics import stop_span
+from scenarios.path_classes import DEGRADED_BELOW
 from scenarios.truth import Truth
 from scenarios.units import KMH_PER_MPS
 from sensors.readings import BaliseReadings
@@ -15,10 +16,12 @@ from wheel_rail import Irregularities
 from wheel_rail.irregularity_spectra import QUANTITIES
 
 MARK_COLOUR = "#d62728"
+DEGRADED_COLOUR = "#fbe5c8"
 
 
 def draw_line(truth: Truth, balises: BaliseReadings, irregularities: Irregularities | None = None) -> Figure:
-    """Marked: where the brake was demanded, where the coach stopped, where balises were read.
+    """Marked: where the brake was demanded, where the coach stopped, where balises were read, where the rail is
+    slippery (shaded).
 
     Rough rails have two panels more: what is felt in height and sideways, and what turns and squeezes wheelsets.
     """
@@ -45,10 +48,11 @@ def draw_line(truth: Truth, balises: BaliseReadings, irregularities: Irregularit
         _draw_irregularities(panels[5], panels[6], irregularities, position_m)
     panels[-1].set_xlabel("position  m")
     mark_stop(panels, truth)
+    _shade_degraded(panels, truth)
     for axes in panels:
         for k, told_m in enumerate(balises.position_m):
             axes.axvline(told_m, color="grey", linestyle=":", linewidth=0.9, label="balise" if k == 0 else None)
-    legend(speed, place="lower left")
+    legend(speed, columns=4, place="lower center")
     return figure
 
 
@@ -62,6 +66,20 @@ def _draw_irregularities(mean: Axes, difference: Axes, rough: Irregularities, po
             plot(axes, place_m[rows], 1e3 * rough.values_m[rows, k], **look)
         axes.set_ylabel("rails  mm")
         legend(axes, columns=2, place="upper right")
+
+
+def _shade_degraded(panels: Iterable[Axes], truth: Truth) -> None:
+    """Where the first wheelset found less peak adhesion than `DEGRADED_BELOW`; the first panel has its name."""
+    position_m, peak = truth.wheelsets.position_m[:, 0], truth.wheelsets.peak_adhesion[:, 0]
+    borders = np.flatnonzero(np.diff(peak < DEGRADED_BELOW, prepend=False, append=False))
+    begins, ends = position_m[borders[::2]], position_m[np.minimum(borders[1::2], len(position_m) - 1)]
+    spans = list(zip(begins, ends - begins, strict=True))
+    for k, axes in enumerate(panels):
+        label = f"peak adhesion below {DEGRADED_BELOW:g}" if k == 0 and spans else None
+        axes.broken_barh(
+            spans, (0.0, 1.0), transform=axes.get_xaxis_transform(), color=DEGRADED_COLOUR, linewidth=0.0, zorder=0.2,
+            label=label,
+        )  # fmt: skip
 
 
 def mark_stop(panels: Iterable[Axes], truth: Truth) -> None:

@@ -1,12 +1,16 @@
 """What `railslide verify` does: progress, table, verdict, files."""
 
+import os
+from collections.abc import Collection
 from pathlib import Path
 
 from rich.console import Console
 
 from scenarios.errors import BadInput, Fault
+from scenarios.interruption import Interruption
 from scenarios.verification import all_cases
 from scenarios.verification.case import Case
+from scenarios.verification.paths import PATH_GROUP, PUBLISHED, run_all
 from scenarios.verification.report import (
     deviations,
     failures,
@@ -19,22 +23,36 @@ from scenarios.verification.report import (
 )
 
 
-def verify_and_report(console: Console, progress: Console, json_file: Path | None, docs: Path | None) -> bool:
-    """Compute and show the whole table, write the files asked for; whether no row missed.
+def verify_and_report(
+    console: Console,
+    progress: Console,
+    json_file: Path | None,
+    docs: Path | None,
+    without: Collection[str] = (),
+    interruption: Interruption | None = None,
+) -> bool:
+    """Compute and show the table, the areas `without` excepted, write the files asked for; whether no row missed.
 
     The progress goes to `progress` where that is a terminal. Raises BadInput, before any work, for files that cannot
-    be written.
+    be written and areas that there are not, RunInterrupted on Ctrl-C in the runs of the test paths.
     """
+    try:
+        cases = all_cases(without)
+    except ValueError as error:
+        raise BadInput(Fault("--without", "", str(error))) from None
     if json_file is not None:
         write_json(json_file, [])
     if docs is not None and not docs.is_dir():
         raise BadInput(Fault("--write-docs", str(docs), "is not a folder"))
-    cases = all_cases()
     with progress.status("compiling") as status:
 
         def on_case(k: int, case: Case) -> None:
             status.update(f"{k + 1} of {len(cases)}: {case.group}")
 
+        if any(case.group.startswith(PATH_GROUP) for case in cases):
+            status.update("running the test paths")
+            for done, number in enumerate(run_all(os.cpu_count() or 1, interruption or Interruption()), start=1):
+                status.update(f"test path {number} done, {done} of {len(PUBLISHED)}")
         outcomes = verify(cases, on_case)
         if json_file is not None:
             write_json(json_file, outcomes)

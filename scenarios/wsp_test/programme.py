@@ -113,7 +113,8 @@ class Stop:
             ) from None
 
     def _placed(self, scenario: Scenario) -> Scenario:
-        brakes = [phase.from_m for phase in scenario.driver.phases if phase.action == "brake"]
+        phases = scenario.driver.phases
+        brakes = [phase.from_m for phase in phases if phase.action == "brake" and phase.from_m is not None]
         if not brakes:
             raise BadInput(Fault("--set", "driver.phases", "nobody brakes in this stop"))
         start_m = brakes[0] - self.run_in_s * scenario.simulation.initial_speed_kmh / KMH_PER_MPS

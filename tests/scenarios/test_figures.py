@@ -121,3 +121,19 @@ def test_runs_without_stop_reference_or_estimators_can_be_drawn(
     names = write_figures(tmp_path, truth, readings(truth), mounting, nowhere, {}, {}, rail)
     for name in names:
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
+
+
+def test_line_shades_where_the_rail_is_slippery(make_truth: Any, changed: Any) -> None:
+    truth = make_truth()
+    place = truth.wheelsets.position_m[:, :1]
+    slippery = ((place > 100.0) & (place < 250.0)) | (place > 400.0)
+    peaks = np.where(slippery, 0.1, 0.3) * np.ones(4)
+    figure = draw_line(changed(truth, wheelsets=changed(truth.wheelsets, peak_adhesion=peaks)), BALISES)
+    for axes in figure.axes:
+        (bars,) = axes.collections
+        first, second = (path.get_extents() for path in bars.get_paths())
+        assert (first.x0, first.x1) == pytest.approx((100.0, 250.0), abs=0.5)
+        assert (second.x0, second.x1) == pytest.approx((400.0, place[-1, 0]), abs=0.5)
+    assert "peak adhesion below 0.2" in labels(figure.axes[0])
+    dry = draw_line(changed(truth, wheelsets=changed(truth.wheelsets, peak_adhesion=0.0 * peaks + 0.3)), BALISES)
+    assert "peak adhesion below 0.2" not in labels(dry.axes[0])

@@ -11,19 +11,17 @@ from typer.testing import CliRunner
 from scenarios.cli import app
 from scenarios.figures.contact_geometry import draw_contact_geometry
 from scenarios.figures.creep_laws import CreepSheet, draw_creep_laws
-from scenarios.verification import Case, Outcome, all_cases, contact_mechanics, profiles
+from scenarios.verification import Case, Outcome, all_cases, brake, contact_mechanics, profiles
 from scenarios.verification.report import expected_text
 from wheel_rail.creep_laws import CREEP_LAWS
 
 CASES = all_cases()
+QUICK_CASES = all_cases(without=["convergence", "paths"])
+"""A short stop is in test_convergence, and one of the test paths is run in test_test_paths."""
 PAGE = Path(__file__).parents[2] / "docs" / "VALIDATION.md"
 
 
-# the reference stops of the convergence take longer than all tests of a file; a short one is in test_convergence
-QUICK = [case for case in CASES if not case.id.startswith("convergence-")]
-
-
-@pytest.mark.parametrize("case", QUICK, ids=lambda case: case.id)
+@pytest.mark.parametrize("case", QUICK_CASES, ids=lambda case: case.id)
 def test_figure(case: Case) -> None:
     """Within its tolerance, or known to deviate: such a mark must go when the figure is reached."""
     outcome = Outcome(case, case.obtain())
@@ -110,7 +108,7 @@ def test_error_and_result(row: Case, error: float, result: str) -> None:
 
 
 def run(monkeypatch: pytest.MonkeyPatch, rows: tuple[Case, ...], *arguments: str) -> tuple[int, str]:
-    monkeypatch.setattr("scenarios.verification.command.all_cases", lambda: rows)
+    monkeypatch.setattr("scenarios.verification.command.all_cases", lambda without: rows)
     result = CliRunner().invoke(app, ["verify", *arguments])
     assert result.exception is None or isinstance(result.exception, SystemExit)
     return result.exit_code, result.stdout + result.stderr
@@ -174,3 +172,27 @@ def test_places_that_cannot_be_written_are_refused_before_the_work(
     code, output = run(monkeypatch, (row,), option, str(tmp_path / "gone" / "place"))
     assert code == 2
     assert output.startswith("error: ")
+
+
+def test_areas_are_left_out_by_name() -> None:
+    without = {case.id for case in all_cases(without=["paths", "brake"])}
+    assert without == {case.id for case in CASES if not case.id.startswith("path-")} - {case.id for case in brake.CASES}
+    result = CliRunner().invoke(app, ["verify", "--without", "brakes"])
+    assert result.exit_code == 2
+    assert "'brakes'" in result.stderr
+    assert "point_mass" in result.stderr
+
+
+def test_the_test_paths_are_run_before_their_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[int] = []
+
+    def run_all(workers: int, interruption: object) -> list[int]:
+        told.append(workers)
+        return []
+
+    monkeypatch.setattr("scenarios.verification.command.run_all", run_all)
+    row = Case("path-00-length", "Test path 0", "a quantity", "source", 1.0, "km", lambda: 1.0)
+    assert run(monkeypatch, (row,))[0] == 0
+    assert len(told) == 1
+    assert run(monkeypatch, (case(1.0, 1.0),))[0] == 0
+    assert len(told) == 1

@@ -198,7 +198,7 @@ BAD = [
     ({**LOW, "file": "rail.csv"}, "peak_adhesion = 0.07: must not stand beside file"),
     ({"peak_adhesion": 0.1}, "surface: exactly one of surface and recovery"),
     ({**LOW, "recovery": "low-recovering"}, "surface = 'low' and recovery are given"),
-    ({"recovery": "low-recovring"}, "must be one of allotta-2014, low-recovering, or a path"),
+    ({"recovery": "low-recovring"}, "must be one of allotta-2014, low-recovering, malvezzi-degraded, or a path"),
     ({**LOW, "speed_law": "curtius"}, "curtius-kniffler"),
     ({**LOW, "peak": 0.1}, "Extra inputs"),
 ]

@@ -204,7 +204,7 @@ def test_a_preset_by_path_and_bad_ones(tmp_path: Path) -> None:
         load_recovery(str(mine))
     with pytest.raises(ValueError, match=r"cannot be read"):
         load_recovery(str(tmp_path / "none.toml"))
-    with pytest.raises(ValueError, match=r"must be one of allotta-2014, low-recovering, or a path"):
+    with pytest.raises(ValueError, match=r"must be one of allotta-2014, low-recovering, malvezzi-degraded, or a path"):
         load_recovery("alota-2014")
 
 
