@@ -67,11 +67,11 @@ def wheelset_contact(
     contact = coach.contact
     wheel_contact(
         1, position, axle, velocity, carrier, spin_radps, left, contact, coach.condition[0, i],
-        coach.growth[i, 0], normal, creep, report[0],
+        coach.growth[i, 0, 0], coach.growth[i, 0, 1], normal, creep, report[0],
     )  # fmt: skip
     wheel_contact(
         -1, position, axle, velocity, carrier, spin_radps, right, contact, coach.condition[1, i],
-        coach.growth[i, 1], normal, creep, report[1],
+        coach.growth[i, 1, 0], coach.growth[i, 1, 1], normal, creep, report[1],
     )  # fmt: skip
     flange_force(position, left, right, contact, normal)
     for force in (normal, creep):
@@ -132,7 +132,8 @@ def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailT
     """Fill `coach.force` (CLASSES, coordinates); needs nothing but the state and the step memory of the brake."""
     body_frames(q, v, coach)
     force = coach.force
-    for k in range(CLASSES):
+    # the others write to the same places every time
+    for k in (SUSPENSION, BRAKE, DRIVE, TRACK_BRAKE):
         for j in range(coach.coordinates):
             force[k, j] = 0.0
     locate(q, coach, track)

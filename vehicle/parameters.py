@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from vehicle.axle_boxes import AxleBox, AxleBoxes
 from vehicle.characteristics import Characteristic
 from vehicle.loads import EMPTY, Payload, Saloon
+from vehicle.soundness import first_fault
 from vehicle.wheels import Wheels
 from wheel_rail import ContactParameters
 
@@ -147,8 +148,6 @@ class CoachParameters(_Section):
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
-        from vehicle.soundness import first_fault
-
         fault = first_fault(self)
         if fault is not None:
             raise ValueError(fault)

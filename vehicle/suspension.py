@@ -163,21 +163,31 @@ def add_suspension(q: Array, v: Array, coach: Record, f: Array) -> None:
             moment[w, 2] -= rel[9] * gy - rel[10] * gx
         if coach.turns[e]:
             rw = coach.rotation[w]
+            wu, wl = coach.rate[u], coach.rate[w]
+            sx, sy, sz = wl[0] - wu[0], wl[1] - wu[1], wl[2] - wu[2]
+            tx = ty = tz = 0.0
             # small relative rotation of the lower body in the upper body's axes, and its rate
             for axis in range(3):
                 k, c = coach.rotational_stiffness[e, axis], coach.rotational_damping[e, axis]
                 if k == 0.0 and c == 0.0:
                     continue
                 i, j = (axis + 1) % 3, (axis + 2) % 3
-                angle = 0.0
-                rate = 0.0
-                for m in range(3):
-                    angle += 0.5 * (ru[m, j] * rw[m, i] - ru[m, i] * rw[m, j])
-                    rate += ru[m, axis] * (coach.rate[w, m] - coach.rate[u, m])
-                size = k * angle + c * rate
-                for m in range(3):
-                    moment[u, m] += ru[m, axis] * size
-                    moment[w, m] -= ru[m, axis] * size
+                x, y, z = ru[0, axis], ru[1, axis], ru[2, axis]
+                angle = 0.5 * (
+                    (ru[0, j] * rw[0, i] - ru[0, i] * rw[0, j])
+                    + (ru[1, j] * rw[1, i] - ru[1, i] * rw[1, j])
+                    + (ru[2, j] * rw[2, i] - ru[2, i] * rw[2, j])
+                )
+                size = k * angle + c * (x * sx + y * sy + z * sz)
+                tx += x * size
+                ty += y * size
+                tz += z * size
+            moment[u, 0] += tx
+            moment[u, 1] += ty
+            moment[u, 2] += tz
+            moment[w, 0] -= tx
+            moment[w, 1] -= ty
+            moment[w, 2] -= tz
     for i in range(coach.bodies):
         r = coach.rotation[i]
         at = place_of(i) + 3

@@ -66,14 +66,15 @@ def table_place(displacement_m: float, constants: Record) -> tuple[int, float]:
 @compiled
 def wheel_contact(
     side: int, position: Array, axle: Vector, velocity: Array, carrier_rate: Vector, spin_radps: float, frame: Array,
-    constants: Record, condition: Array, growth: Vector, normal: Array, creep: Array, report: Array,
+    constants: Record, condition: Array, growth_m: float, growth_mprad: float, normal: Array, creep: Array,
+    report: Array,
 ) -> None:  # fmt: skip
     """Forces of one wheel (`side` +1 left, -1 right) on its wheelset.
 
     `position`, `velocity` (3,): wheelset centre in the world; `axle` (3,): unit vector of the axle to the left;
     `carrier_rate` (3,): angular velocity of the wheelset without its part along the axle, rad/s; `frame` (14,): the
     track at the wheelset; `constants`: record of dtype CONTACT; `condition` (CONDITION,): the rail's, under this wheel;
-    `growth`: radius over the nominal one, m, and its change with the wheel's turn, m/rad.
+    `growth_m`: radius over the nominal one; `growth_mprad`: its change as the wheel turns.
     Adds to `normal` (7,) and `creep` (7,): force (3) in the world, moment about the centre (3) without its part along
     the axle, and torque about the axle (1). `report` (REPORT,): see the constants above.
     """
@@ -86,7 +87,7 @@ def wheel_contact(
     k, u = table_place(dx * nx + dy * ny + dz * nz, constants)
     low, high = constants.table[0 if side > 0 else 1, k], constants.table[0 if side > 0 else 1, k + 1]
     along = side * (low[PLACE_ALONG] + u * (high[PLACE_ALONG] - low[PLACE_ALONG]))
-    radius = low[ROLLING_RADIUS] + u * (high[ROLLING_RADIUS] - low[ROLLING_RADIUS]) + growth[0]
+    radius = low[ROLLING_RADIUS] + u * (high[ROLLING_RADIUS] - low[ROLLING_RADIUS]) + growth_m
     inward = -side * (low[SLOPE] + u * (high[SLOPE] - low[SLOPE]))
     half = side * (low[RAIL_Y] + u * (high[RAIL_Y] - low[RAIL_Y]))
     top = low[RAIL_Z] + u * (high[RAIL_Z] - low[RAIL_Z])
@@ -128,7 +129,7 @@ def wheel_contact(
     vy = velocity[1] + oz * px - ox * pz
     vz = velocity[2] + ox * py - oy * px
     stiffness = low[STIFFNESS] + u * (high[STIFFNESS] - low[STIFFNESS])
-    swelling = scale * growth[1]
+    swelling = scale * growth_mprad
     parting = vx * mx + vy * my + vz * mz - spin_radps * swelling
     load = stiffness * depth - constants.damping_nspm * parting
     if load <= 0.0:

@@ -43,7 +43,7 @@ def _guidance() -> np.ndarray:
         normal, creep, report = np.zeros(7), np.zeros(7), np.zeros(REPORT)
         for side in (1, -1):
             wheel_contact(
-                side, position, axle, velocity, rate, spin, frame, contact.constants, condition, np.zeros(2),
+                side, position, axle, velocity, rate, spin, frame, contact.constants, condition, 0.0, 0.0,
                 normal, creep, report,
             )  # fmt: skip
         total = normal + creep

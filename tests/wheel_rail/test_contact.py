@@ -31,7 +31,7 @@ def contact(
     position = frame[:3] + lateral_m * n + (0.46 - sink_m) * b
     normal, creep, report = np.zeros(7), np.zeros(7), np.zeros(REPORT)
     wheel_contact(
-        side, position, axle, speed * t, np.zeros(3), spin, frame, CONSTANTS, condition, np.array(growth),
+        side, position, axle, speed * t, np.zeros(3), spin, frame, CONSTANTS, condition, *growth,
         normal, creep, report,
     )  # fmt: skip
     return normal, creep, report, np.concatenate([speed * t, np.zeros(3), [spin]])

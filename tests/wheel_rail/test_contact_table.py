@@ -66,7 +66,7 @@ def penetration(contact: Contact, y_m: float, height_m: float, roll_rad: float) 
         wheel_contact(
             side, np.array([0.0, y_m, height_m]), np.array([0.0, math.cos(roll_rad), math.sin(roll_rad)]),
             np.array([20.0, 0.0, 0.0]), np.zeros(3), 20.0 / RADIUS_M, frame, contact.constants,
-            np.full(CONDITION, 0.1), np.zeros(2), np.zeros(7), np.zeros(7), report,
+            np.full(CONDITION, 0.1), 0.0, 0.0, np.zeros(7), np.zeros(7), report,
         )  # fmt: skip
         depths.append(report[PENETRATION])
     return depths
