@@ -9,12 +9,13 @@ from scenarios.scenario_file import load_scenario
 
 SHORT = (
     "track.curves=[]",
-    "track.gradients=[{from_m=200.0, gradient_permille=12.0, rounding_m=100.0}]",
+    "track.gradients=[{from_m=200.0, gradient_permille=4.0, rounding_m=100.0}]",
     'adhesion.stretches=[{from_m=0.0, surface="dry", peak_adhesion=0.3}]',
     'driver.phases=[{from_m=0.0, action="hold", speed_kmh=75.0, acceleration_mps2=0.4}, '
     '{from_m=300.0, action="coast"}, {from_m=450.0, action="brake", demand=1.0, until_kmh=45.0}, '
-    '{from_m=700.0, action="brake", demand=0.7}]',
+    '{from_m=640.0, action="brake", demand=0.7}]',
     "simulation.initial_speed_kmh=60",
+    "brake.release_time_s=5",
 )
 
 
