@@ -103,19 +103,22 @@ def _elastic_bed(
     rate_x = k * per_x * along_x + k_rate * per_x * creep_x
     rate_y = k * per_y * along_y + k_rate * per_y * creep_y
     rate_s = k_rate * per_spin
-    middle, reach, at, stride = 0.0, math.inf, 1.0, turn
+    middle, reach, mean, stride = 0.0, math.inf, 0.0, turn
     if grow_s != 0.0:
         # the length of the strips and their elasticity spread the turn over y; half of each was found to serve best
-        middle, reach, at, stride = _crowding(ny, grow_x / (grow_s * b), 0.5 * a / b + 1.0 / (nx * abs(grow_s) * b))
+        middle, reach, mean, stride = _crowding(ny, grow_x / (grow_s * b), 0.5 * a / b + 1.0 / (nx * abs(grow_s) * b))
     crowds = reach < 1e5  # beyond, nothing is left of it but rounding
-    onwards = math.exp(stride) if crowds else 1.0
+    if not crowds:
+        mean, stride = 0.0, turn
     sum_x = sum_y = sum_rate_x = sum_rate_y = sum_bound = 0.0
     for j in range(ny):
-        theta, share = (j + 0.5) * turn - 0.5 * math.pi, turn
+        # counted from the middle, so that a patch that is symmetric has no trace of rounding to one side
+        v, share = mean + (j - 0.5 * (ny - 1)) * stride, stride
+        theta = v
         if crowds:
-            theta = middle + 0.5 * reach * (at - 1.0 / at)
-            share = stride * 0.5 * reach * (at + 1.0 / at)
-            at *= onwards
+            rise = math.sinh(v)
+            theta = middle + reach * rise
+            share *= reach * math.sqrt(1.0 + rise * rise)
         cosine, lever = math.cos(theta), b * math.sin(theta)
         # half the length halves the growth, the bound falls with its square
         inverse = 1.0 / cosine
@@ -140,7 +143,7 @@ def _elastic_bed(
 
 @inlined
 def _crowding(ny: int, pole: float, spread: float) -> tuple[float, float, float, float]:
-    """Strips at theta = middle + reach sinh(v), v amid `ny` equal parts: middle, reach, exp(first v) and stride of v.
+    """Strips at theta = middle + reach sinh(v), v amid `ny` equal parts: middle, reach, mean and stride of v.
 
     Where y passes the `pole` of the slip (y/b) the stress turns over, within a width `spread` b. A force that is
     analytic up to pole + i spread in y/b is so up to the arcsine of that in theta, middle + i arcosh(larger), and in v
@@ -151,11 +154,10 @@ def _crowding(ny: int, pole: float, spread: float) -> tuple[float, float, float,
     larger = 0.5 * (right + left)
     middle = math.asin(2.0 * pole / (right + left))
     reach = math.sqrt(larger * larger - 1.0)
-    # exp(arsinh(w)) is w + sqrt(w^2 + 1), and its inverse that of -w
     start, end = (0.5 * math.pi + middle) / reach, (0.5 * math.pi - middle) / reach
-    before = start + math.sqrt(start * start + 1.0)
-    stride = math.log(before * (end + math.sqrt(end * end + 1.0))) / ny
-    return middle, reach, math.exp(0.5 * stride) / before, stride
+    # arsinh(w) is log(w + sqrt(w^2 + 1)), and odd; first v is -before, last v is after
+    before, after = math.log(start + math.sqrt(start * start + 1.0)), math.log(end + math.sqrt(end * end + 1.0))
+    return middle, reach, 0.5 * (after - before), (before + after) / ny
 
 
 @compiled

@@ -1,5 +1,7 @@
-"""One strip of FASTSIM: a particle's way from the leading to the trailing edge, of second order in its cells.
+"""One strip of FASTSIM: a particle's way from the leading to the trailing edge.
 
+Of second order in the cells that stick or slide throughout; where one gives way to the other, a cell takes the growth
+of its middle.
 A strip is 2 long (u from 1 to -1) and its bound is 1 - u^2; stresses are in units of the bound at its middle.
 """
 
@@ -31,7 +33,8 @@ def strip_force(
             middle = u - 0.5 * du
             next_u = 1.0 - (i + 1) * du
             next_bound = max(1.0 - next_u * next_u, 0.0)
-            next_x, next_y = px + grow_x, py + grow_y + grow_s * middle
+            straight = grow_y + grow_s * middle
+            next_x, next_y = px + grow_x, py + straight
             size2 = next_x * next_x + next_y * next_y
             if size2 > next_bound * next_bound:
                 break
@@ -45,11 +48,11 @@ def strip_force(
             i += 1
         if i == nx:
             break
-        # share of the cell in adhesion: where |p| - bound, which is convex, rises through zero; first by its value and
-        # slope at the start and its value at the end
+        # share of the cell in adhesion: where |p| - bound, which is convex for p on a straight way, rises through zero;
+        # first by its value and slope at the start and its value at the end
         size, before, fall = math.sqrt(size2), math.sqrt(px * px + py * py), 2.0 * u * du
         start, beyond = min(before - bound, 0.0), size - next_bound
-        slope = (px * grow_x + py * (grow_y + grow_s * u)) / before - fall if before > 0.0 else size - fall
+        slope = (px * grow_x + py * straight) / before - fall if before > 0.0 else size - fall
         stick, end_x, end_y = 0.0, px, py
         if slope < 0.0 or start < 0.0:
             bend = beyond - start - slope
@@ -57,21 +60,21 @@ def strip_force(
             stick = min(0.5 * (root - slope) / bend if slope < 0.0 else -2.0 * start / (slope + root), 1.0)
             low, high = 0.0, 1.0
             for _ in range(8):
-                end_x, end_y = px + stick * grow_x, py + stick * (grow_y + grow_s * (u - 0.5 * stick * du))
+                end_x, end_y = px + stick * grow_x, py + stick * straight
                 size = math.sqrt(end_x * end_x + end_y * end_y)
                 miss = size - bound - stick * (fall - stick * du * du)
                 if abs(miss) < 1e-6:
                     break
                 if miss > 0.0:
                     high, beyond = stick, miss
-                    slope = (end_x * grow_x + end_y * (grow_y + grow_s * (u - stick * du))) / size
+                    slope = (end_x * grow_x + end_y * straight) / size
                     stick -= miss / (slope - fall + 2.0 * stick * du * du)
                 else:
                     low = stick
                     stick -= (high - stick) * miss / (beyond - miss)
                 if not low < stick < high:
                     stick = 0.5 * (low + high)
-        end_qx, end_qy = qx + stick * rate_x, qy + stick * (rate_y + rate_s * (u - 0.5 * stick * du))
+        end_qx, end_qy = qx + stick * rate_x, qy + stick * (rate_y + rate_s * middle)
         cube = stick * stick * stick
         sum_x += 0.5 * stick * (px + end_x)
         sum_y += 0.5 * stick * (py + end_y) + curved * cube
