@@ -3,9 +3,10 @@
 from pathlib import Path
 from typing import Annotated, Self
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from vehicle.axle_boxes import AxleBox, AxleBoxes
+from vehicle.axle_boxes import AxleBox, AxleBoxes, lumped_stage
 from vehicle.characteristics import Characteristic
 from vehicle.loads import EMPTY, Payload, Saloon
 from vehicle.soundness import first_fault
@@ -175,6 +176,16 @@ class CoachParameters(_Section):
             yaw_inertia_kgm2=body.yaw_inertia_kgm2 + yaw,
             height_m=height_m,
         )
+
+    @property
+    def primary_at_axle(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Of coil spring and swing arm lumped into one: stiffness (N/m), damping (Ns/m), rotational stiffness (Nm/rad)
+        and damping (Nms/rad), (3,) each."""
+        stage = self.primary
+        return lumped_stage(
+            self.axle_box, stage.stiffness_npm, stage.damping_nspm, stage.rotational_stiffness_nmprad,
+            stage.rotational_damping_nmsprad,
+        )  # fmt: skip
 
     @property
     def mass_kg(self) -> float:

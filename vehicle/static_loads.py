@@ -70,7 +70,7 @@ def static_loads(parameters: CoachParameters) -> StaticLoads:
             for body, point in ((upper[k], "upper_point"), (lower[k], "lower_point"))
         ]
         load[k] = coach["preload"][e] + coach["stiffness"][e, 2] * (place[1] - place[0])[2]
-    bodies = range(len(coach["mass"]))
+    bodies = range(coach["bodies"])
     return StaticLoads(
         wheel_load_n=(report[:, :, NORMAL] * report[:, :, UPWARDS + 2]).ravel(),
         elements=carrying,

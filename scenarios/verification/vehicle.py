@@ -40,20 +40,28 @@ def with_springs(coach: CoachParameters, guidance: float, secondary: float) -> C
 
     Yaw dampers, traction rods and the twist of the primary springs go with the secondary and the primary springs.
     """
-    nothing = {"x": (0.0, 1.0), "force_n": (0.0, 0.0)}
-    tree = coach.model_dump()
-    for stage, factor in (("primary", guidance), ("secondary", secondary)):
-        k = tree[stage]["stiffness_npm"]
-        tree[stage] |= {
-            "stiffness_npm": (factor * k[0], factor * k[1], k[2]),
-            "damping_nspm": (0.0, 0.0, tree[stage]["damping_nspm"][2]),
-            "lateral_damper": nothing,
+    k, c, twist, twist_damping = coach.primary_at_axle
+    primary = coach.primary.model_copy(
+        update={
+            "stiffness_npm": (guidance * k[0], guidance * k[1], k[2]),
+            "damping_nspm": (0.0, 0.0, c[2]),
+            "rotational_stiffness_nmprad": (guidance * twist[0], twist[1], guidance * twist[2]),
+            "rotational_damping_nmsprad": tuple(twist_damping),
+            "lateral_damper": None,
         }
-    twist = tree["primary"]["rotational_stiffness_nmprad"]
-    tree["primary"]["rotational_stiffness_nmprad"] = (guidance * twist[0], twist[1], guidance * twist[2])
-    tree["yaw_dampers"]["damper"] = nothing
-    tree["traction_rod"] |= {"stiffness_npm": secondary * 5e6 + 1e-3, "damping_nspm": 0.0}
-    return CoachParameters.model_validate(tree)
+    )
+    k = np.array(coach.secondary.stiffness_npm)
+    soft = {"stiffness_npm": (secondary * k[0], secondary * k[1], k[2]), "lateral_damper": None}
+    rod = {"stiffness_npm": secondary * 5e6, "damping_nspm": 0.0}
+    return coach.model_copy(  # unsound on purpose, which a validated coach must not be
+        update={
+            "axle_box": coach.axle_box.model_copy(update={"swing_arm": None}),
+            "primary": primary,
+            "secondary": coach.secondary.model_copy(update=soft),
+            "yaw_dampers": None,
+            "traction_rod": coach.traction_rod.model_copy(update=rod) if coach.traction_rod else None,
+        }
+    )
 
 
 def _slowest_wave_m(coach: CoachParameters) -> float:
@@ -97,8 +105,9 @@ def two_masses() -> tuple[complex, complex]:
         sum(p.characteristics[name].slope_at_zero for name in stage.named(2, "damper"))
         for stage in (p.primary, p.secondary)
     ]
-    k1, k2 = 8.0 * p.primary.stiffness_npm[2], 4.0 * p.secondary.stiffness_npm[2]
-    c1 = 8.0 * (p.primary.damping_nspm[2] + slopes[0])
+    stiffness, damping, *_ = p.primary_at_axle
+    k1, k2 = 8.0 * stiffness[2], 4.0 * p.secondary.stiffness_npm[2]
+    c1 = 8.0 * (damping[2] + slopes[0])
     c2 = 4.0 * (p.secondary.damping_nspm[2] + slopes[1])
     m1, m2 = 2.0 * p.bogie.mass_kg, p.body.mass_kg
     # determinant of the two equations of motion, by falling powers of the eigenvalue
@@ -138,8 +147,9 @@ def curving(p: CoachParameters, run: CurveLoads, contact_stiffness_npm: float) -
     one, two, axle = p.primary, p.secondary, 0.5 * p.wheelset.wheel_diameter_m
     m1, m2, mw = 2.0 * p.bogie.mass_kg, p.body.mass_kg, 4.0 * p.wheelset.mass_kg
     h1, h2, hp, hs = p.bogie.height_m, p.body.height_m, one.height_m, two.height_m
-    sway1, sway2 = 8.0 * one.stiffness_npm[1], 4.0 * two.stiffness_npm[1]
-    roll1 = 8.0 * (one.stiffness_npm[2] * one.half_spacing_m**2 + one.rotational_stiffness_nmprad[0])
+    stiffness, _, twist, _ = p.primary_at_axle
+    sway1, sway2 = 8.0 * stiffness[1], 4.0 * two.stiffness_npm[1]
+    roll1 = 8.0 * (stiffness[2] * one.half_spacing_m**2 + twist[0])
     roll2 = 4.0 * (two.stiffness_npm[2] * two.half_spacing_m**2 + two.rotational_stiffness_nmprad[0])
     roll2 += 2.0 * p.anti_roll_bar_nmprad
     half = 0.5 * RAIL_SPACING_M

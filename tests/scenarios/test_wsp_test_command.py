@@ -22,8 +22,6 @@ name = "tiny"
 title = "Three short stops"
 scenario = "base.toml"
 dry = ['adhesion.stretches=[{from_m=0.0, surface="dry", peak_adhesion=0.3}]']
-[loads]
-empty = []
 [groups.low]
 title = "low adhesion"
 limits = ["low"]

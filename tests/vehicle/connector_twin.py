@@ -86,16 +86,18 @@ def links(p: CoachParameters) -> list[Link]:
     weight = 9.81 * (p.laden_body.mass_kg + 2.0 * p.bogie.mass_kg) / 8.0
 
     def spring(upper: int, lower: int, x: float, side: int, stage: Stage, preload_n: float) -> Link:
+        linear = p.primary_at_axle if stage is p.primary else map(
+            np.array,
+            (stage.stiffness_npm, stage.damping_nspm, stage.rotational_stiffness_nmprad,
+             stage.rotational_damping_nmsprad),
+        )  # fmt: skip
         over_speed, over_deflection = (
             [(axis, p.characteristics[name]) for axis in range(3) for name in stage.named(axis, *kinds)]
             for kinds in (("damper", "friction"), ("spring", "stop"))
         )
         return Link(
-            upper, lower, np.array([x, side * stage.half_spacing_m, stage.height_m]), *map(
-                np.array,
-                (stage.stiffness_npm, stage.damping_nspm, stage.rotational_stiffness_nmprad,
-                 stage.rotational_damping_nmsprad),
-            ), preload_n, over_speed, over_deflection,
+            upper, lower, np.array([x, side * stage.half_spacing_m, stage.height_m]), *linear, preload_n, over_speed,
+            over_deflection,
         )  # fmt: skip
 
     for wheelset, (x, _, _) in enumerate(places(p)[3:]):
@@ -135,7 +137,8 @@ class Twin:
         inertias = [p.laden_body, p.bogie, p.bogie]
         boxed = p.wheelset
         rows = [(b.mass_kg, b.roll_inertia_kgm2, b.pitch_inertia_kgm2, b.yaw_inertia_kgm2) for b in inertias]
-        rows += [(boxed.mass_kg, boxed.roll_inertia_kgm2, boxed.box_pitch_inertia_kgm2, boxed.yaw_inertia_kgm2)] * 4
+        pitch = 2.0 * p.axle_box.pitch_inertia_kgm2  # the boxes do not spin
+        rows += [(boxed.mass_kg, boxed.roll_inertia_kgm2, pitch, boxed.yaw_inertia_kgm2)] * 4
         self.nodes, self.bodies = [], []
         for (mass, *inertia), centre in zip(rows, self.centres, strict=True):
             node = mbs.AddNode(NodeRigidBodyRotVecLG(referenceCoordinates=[*centre, 0.0, 0.0, 0.0]))

@@ -28,11 +28,8 @@ def test_at_the_critical_speed_one_swing_neither_grows_nor_decays(parameters: Co
 
 
 def test_without_yaw_dampers_the_coach_hunts_earlier(parameters: CoachParameters) -> None:
-    loose = parameters.yaw_dampers.model_copy(
-        update={"damper": parameters.yaw_dampers.damper.model_copy(update={"force_n": (0.0, 0.0, 0.0)})}
-    )
     with_them = hunting_speed_on_cones(parameters, 0.3).speed_mps
-    without = hunting_speed_on_cones(parameters.model_copy(update={"yaw_dampers": loose}), 0.3).speed_mps
+    without = hunting_speed_on_cones(parameters.model_copy(update={"yaw_dampers": None}), 0.3).speed_mps
     assert with_them is not None
     assert without is not None
     assert without < 0.7 * with_them

@@ -8,7 +8,7 @@ from vehicle import Coach
 from vehicle.forces import CONTACT_NORMAL, CREEP, coach_force
 from vehicle.jacobian import coach_jacobian
 from vehicle.layout import COORDINATES
-from vehicle.modes import stiffness_matrix
+from vehicle.linear import Linearisation
 from vehicle.start import start_state
 from wheel_rail import Irregularities
 from wheel_rail.contact import NORMAL
@@ -52,7 +52,8 @@ def test_response_to_a_vertical_wave_is_the_linear_one(
     level_m = 1e-4
     bench = without_resistance(make_bench())
     omega = 2.0 * np.pi * speed_mps / length_m
-    mass, stiffness = stiffness_matrix(bench.parameters, speed_mps)
+    linear = Linearisation(bench.parameters, bench.contact).at(speed_mps)
+    mass, stiffness = linear.mass, linear.stiffness
     record, q, v = start_state(bench.parameters, bench.contact, bench.track, bench.rail, 100.0, speed_mps)
     damping = np.empty((COORDINATES, COORDINATES))
     coach_force(q, v, np.empty(COORDINATES), record, bench.track.table, bench.rail)
