@@ -26,7 +26,7 @@ def test_a_file_of_the_users_own_is_shown_in_tables_and_pictures(tmp_path: Path)
     code, output = run(*arguments)
     assert code == 0, output
     assert "64.00 t in all" in output
-    for words in ("78.48", "body bounce", "klingel", "secondary.lateral_stop", "swings at 160 km/h"):
+    for words in ("78.48", "body bounce", "klingel", "secondary-lateral-stop", "swings at 160 km/h"):
         assert words in output
     folder = tmp_path / "out" / "heavy.coach"
     assert {entry.name for entry in folder.iterdir()} == {"inspect.json", *PICTURES}

@@ -6,8 +6,6 @@ the moment of the distance goes to the upper body; and its deflection is that of
 the upper body. Wheels stand on springs to the ground instead of rails.
 """
 
-import contextlib
-import io
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -17,18 +15,16 @@ from scipy.spatial.transform import Rotation
 
 from vehicle import CoachParameters
 from vehicle.characteristics import Characteristic
+from vehicle.exudyn_system import load_exudyn
 from vehicle.parameters import Stage
 
-with contextlib.redirect_stdout(io.StringIO()):
-    import exudyn as exu
-    from exudyn.itemInterface import (
-        MarkerBodyRigid,
-        NodeRigidBodyRotVecLG,
-        ObjectConnectorCartesianSpringDamper,
-        ObjectConnectorRigidBodySpringDamper,
-        ObjectGround,
-        ObjectRigidBody,
-    )
+exu = load_exudyn()  # the build that the coach runs with: the other one's results differ in the last bit
+MarkerBodyRigid = exu.itemInterface.MarkerBodyRigid
+NodeRigidBodyRotVecLG = exu.itemInterface.NodeRigidBodyRotVecLG
+ObjectConnectorCartesianSpringDamper = exu.itemInterface.ObjectConnectorCartesianSpringDamper
+ObjectConnectorRigidBodySpringDamper = exu.itemInterface.ObjectConnectorRigidBodySpringDamper
+ObjectGround = exu.itemInterface.ObjectGround
+ObjectRigidBody = exu.itemInterface.ObjectRigidBody
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 Curve = Callable[[np.ndarray], np.ndarray]

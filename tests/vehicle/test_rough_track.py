@@ -66,7 +66,7 @@ def test_response_to_a_vertical_wave_is_the_linear_one(
         moved_q[height] -= below_m
         moved_v[height] -= falling_mps
         coach_force(moved_q, moved_v, np.empty(COORDINATES), record, bench.track.table, bench.rail)
-        total = record[0]["force"][[CONTACT_NORMAL, CREEP]].sum(axis=0)
+        total = record[0]["force"][[CONTACT_NORMAL, CREEP], :COORDINATES].sum(axis=0)
         return np.concatenate([total, record[0]["report"][:, 0, NORMAL]])
 
     # raising the rails under the wheelsets does what lowering the wheelsets does

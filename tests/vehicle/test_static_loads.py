@@ -21,7 +21,7 @@ def test_springs_bear_what_is_above_them(parameters: CoachParameters) -> None:
     body, bogies = parameters.body.mass_kg, 2.0 * parameters.bogie.mass_kg
     assert primary.sum() == pytest.approx(9.81 * (body + bogies), rel=1e-6)
     assert secondary.sum() == pytest.approx(9.81 * body, rel=1e-6)
-    assert loads.spring_deflection_m[:8] == pytest.approx(primary / parameters.primary.stiffness_npm[2])
+    assert loads.spring_deflection_m[:8] == pytest.approx(primary / parameters.primary_at_axle[0][2])
 
 
 def test_speeds_of_a_canted_curve() -> None:
