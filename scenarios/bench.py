@@ -32,6 +32,16 @@ POLACH = "eight contacts, table geometry and Polach"
 RECOVERING = "eight contacts, table geometry and Polach, rail that recovers"
 FASTSIM = "eight contacts, table geometry and FASTSIM 10 x 10"
 COACH_FMU = "coach as an FMU, rule table in the tool: wall over simulated time"
+LONG_PATH = "test path 3, 5 ms, recorded at 100 Hz: solve"
+ROUGH_PATH = "test path 3, rough rails, 0.5 ms, recorded at 2 kHz: solve"
+PATHS = {
+    LONG_PATH: (),
+    ROUGH_PATH: (
+        "simulation.step_s=0.0005", "simulation.record_period_s=0.0005", "simulation.longest_s=20",
+        'track.irregularities={spectrum="erri-b176-low"}',
+    ),
+}  # fmt: skip
+"""Name of a benchmark -> settings of the path."""
 REQUIRED = {POLACH: 3.0, RECOVERING: 3.0, FASTSIM: 40.0, COACH_FMU: 0.05}
 """Name of a benchmark -> what its median may reach at most, in its unit."""
 _LOOP = 1_000_000
@@ -75,6 +85,8 @@ def _run_benchmarks(
 ) -> list[Benchmark]:
     scenarios = {step: load_scenario(SCENARIO, [f"simulation.step_s={step}"]) for step in STEPS_S}
     first = scenarios[STEPS_S[0]]
+    boxes = load_scenario(SCENARIO, ["coach.axle_boxes=explicit", f"simulation.step_s={STEPS_S[0]}"])
+    paths = {name: load_scenario("path-03", list(settings)) for name, settings in PATHS.items()}
     line = Line(first)
     dry = BenchCoach(first, line, DRY_M)
     contacts = {
@@ -82,7 +94,8 @@ def _run_benchmarks(
         RECOVERING: BenchCoach(first, line, RECOVERING_M),
         FASTSIM: BenchCoach(first, line, DRY_M, "fastsim"),
     }
-    _idle_step_s(first, line, STEPS_S[0], 0.1)  # compiles
+    for scenario in (first, boxes):
+        _idle_step_s(scenario, line, STEPS_S[0], 0.1)  # compiles
     values: dict[tuple[str, str], list[float]] = {}
 
     def note(name: str, unit: str, value: float) -> None:
@@ -112,6 +125,11 @@ def _run_benchmarks(
             note(f"{label}: share of Exudyn in a step", "ratio", solver_s / per_step_s)
             note(f"{label}: step over force routine", "ratio", per_step_s / force_s)
             note(f"{label}: step over interpreter loop", "ratio", per_step_s / loop_s)
+        for name, path in paths.items():
+            note(name, "times real time", simulate(path, lambda *_: None, lambda: False).solve.realtime_factor)
+        note(
+            "coach alone, rolling, 5 ms, explicit axle boxes: step", "us", 1e6 * _idle_step_s(boxes, line, 0.005, 10.0)
+        )
         if coach_fmu is not None:
             note(COACH_FMU, "ratio", coach_fmu())
     return [Benchmark(name, unit, tuple(rows)) for (name, unit), rows in values.items()]
