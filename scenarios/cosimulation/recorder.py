@@ -23,7 +23,7 @@ class Recorder:
     """
 
     def __init__(self) -> None:
-        self._full: list[tuple[np.ndarray, np.ndarray]] = []
+        self._full: tuple[list[np.ndarray], list[np.ndarray]] = [], []
         self.block = _new_block()
         self._before = 0
         self.rows = 0
@@ -32,8 +32,8 @@ class Recorder:
         """With `rows` of the block filled and so many more to come: begin another one if they do not fit; its rows."""
         if rows + needed <= _BLOCK:
             return rows
-        motion, brake = self.block
-        self._full.append((motion[:rows], brake[:rows]))
+        for full, block in zip(self._full, self.block, strict=True):
+            full.append(block[:rows])
         self.block = _new_block()
         self._before += rows
         return 0
@@ -42,7 +42,7 @@ class Recorder:
         """Rows first..last - 1 of the motion since the start; they may lie in the last two blocks."""
         begin, end = first - self._before, last - self._before
         rows = self.block[0][max(begin, 0) : end]
-        return np.concatenate([self._full[-1][0][begin:], rows]) if begin < 0 else rows
+        return np.concatenate([self._full[0][-1][begin:], rows]) if begin < 0 else rows
 
     @property
     def before(self) -> int:
@@ -50,7 +50,10 @@ class Recorder:
         return self._before
 
     def _rows_of(self, kind: int) -> np.ndarray:
-        return np.concatenate([*(block[kind] for block in self._full), self.block[kind][: self.rows]])
+        """All rows in one array; the blocks go, as a long run would be there twice."""
+        whole = np.concatenate([*self._full[kind], self.block[kind][: self.rows]])
+        self._full[kind].clear()
+        return whole
 
     @cached_property
     def _motion_rows(self) -> np.ndarray:
@@ -82,35 +85,37 @@ class Recorder:
             gradient_permille=track.gradient_permille(position),
             curvature_radpm=track.curvature_radpm(position),
             cant_mm=track.cant_mm(position),
-            **{f"power_{name}_w": rows["power_w"][:, k] for k, name in enumerate(POWERS)},
+            **{f"power_{name}_w": rows["power_w"][:, k].copy() for k, name in enumerate(POWERS)},
         )
 
     def wheelset_stream(self, contact: Contact) -> WheelsetStream:
         """Wheelsets; `contact` for the peak adhesion on offer, a centred wheel's."""
         rows = self._motion_rows
-        speed = rows["wheelset_speed_mps"]
+        speed = rows["wheelset_speed_mps"].copy()
         moving = np.abs(speed) > _STILL_MPS
         slip = np.where(moving, (speed - rows["rim_speed_mps"]) / np.where(moving, speed, 1.0), 0.0)
         offered, at_slip = np.empty_like(speed), np.empty_like(speed)
         law = contact.law
-        _offered_adhesion(
-            speed,
-            rows["normal_force_n"],
-            np.ascontiguousarray(rows["rail_condition"]),
-            (law.number, law.address),
-            law.extra,
-            tuple(contact.patch),
-            contact.load_n,
-            contact.parameters.shear_modulus_pa,
-            offered,
-            at_slip,
-        )
+        for first in range(0, len(rows), _BLOCK):
+            some = slice(first, first + _BLOCK)
+            _offered_adhesion(
+                speed[some],
+                rows["normal_force_n"][some],
+                np.ascontiguousarray(rows["rail_condition"][some]),
+                (law.number, law.address),
+                law.extra,
+                tuple(contact.patch),
+                contact.load_n,
+                contact.parameters.shear_modulus_pa,
+                offered[some],
+                at_slip[some],
+            )
         copied = ("t_s", "rim_speed_mps", "wheel_angle_rad", "lateral_displacement_m", "normal_force_n",
                   "longitudinal_force_n", "lateral_force_n", "brake_torque_nm", "drive_torque_nm",
                   "friction_power_w")  # fmt: skip
         return WheelsetStream(
             **_fields(rows, copied),
-            position_m=rows["wheelset_position_m"],
+            position_m=rows["wheelset_position_m"].copy(),
             speed_mps=speed,
             slip=slip,
             peak_adhesion=offered,

@@ -1,8 +1,9 @@
 """Whether a coach runs quietly at a speed: on a line with faults, by the sum of its guiding forces after EN 14363."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
@@ -12,8 +13,9 @@ from scenarios.units import KMH_PER_MPS
 from scenarios.verification.case import Case
 from vehicle import OBSERVATION, Actuation, Coach, CoachParameters, CoachState
 from vehicle.forces import CONTACT_NORMAL, CREEP
+from vehicle.hunting import hunting_speed
 from vehicle.layout import SPIN
-from vehicle.linear import without_resistance
+from vehicle.linear import Linearisation, without_resistance
 
 GROUP = "Running stability"
 STEP_S = 0.005
@@ -103,19 +105,41 @@ def kinked(length_m: float, heading_rad: float = 1e-3, spacing_m: float = 11.0) 
     return f"track.curves=[{', '.join(bends)}]"
 
 
+LENGTH_M = 1000.0
+FAULTS = {
+    "kinked line": kinked(LENGTH_M),
+    "rails of ERRI B176, low": "track.irregularities={spectrum='erri-b176-low'}",
+}
+"""Name -> setting of a line with faults."""
+
+
 @cache
-def _on_kinks(preset: str, speed_kmh: float) -> Running:
-    length_m = 1000.0
-    return running(preset, speed_kmh, length_m, [kinked(length_m)])
+def _share_of_limit(preset: str, speed_kmh: float, faults: str) -> float:
+    return running(preset, speed_kmh, LENGTH_M, [FAULTS[faults]]).share
 
 
-def stability_case(preset: str, speed_kmh: float) -> Case:
+def stability_case(preset: str, speed_kmh: float, faults: str) -> Case:
     """The row of one coach at one of its service speeds."""
     return Case(
         f"stability-{preset}-{speed_kmh:g}", GROUP,
-        f"{preset}, {speed_kmh:g} km/h, kinked line: rms of a wheelset's guiding force over 100 m over its limit",
-        "EN 14363, instability criterion (M)", (0.0, 1.0), "-", lambda: _on_kinks(preset, speed_kmh).share,
+        f"{preset}, {speed_kmh:g} km/h, {faults}: rms of a wheelset's guiding force over 100 m over its limit",
+        "EN 14363, instability criterion (M)", (0.0, 1.0), "-", lambda: _share_of_limit(preset, speed_kmh, faults),
     )  # fmt: skip
 
 
-CASES = (stability_case("malvezzi-2014", 200.0),)
+def _hunting_kmh(preset: str) -> float:
+    coach = load_scenario("low-adhesion-stop", [f"coach.preset={preset}"]).coach
+    speed_mps = hunting_speed(Linearisation(coach)).speed_mps
+    return math.inf if speed_mps is None else KMH_PER_MPS * speed_mps
+
+
+CASES = (
+    stability_case("malvezzi-2014", 200.0, "kinked line"),
+    *(stability_case("manchester-1", speed_kmh, "rails of ERRI B176, low") for speed_kmh in (120.0, 160.0, 200.0)),
+    Case(
+        "stability-manchester-1-hunting", GROUP,
+        "manchester-1: critical speed by linear theory on S1002/UIC60 1:40, beyond its service speeds",
+        "no figure is published with the vehicle's data", (200.0, 540.0), "km/h",
+        partial(_hunting_kmh, "manchester-1"),
+    ),
+)  # fmt: skip
