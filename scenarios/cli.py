@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,7 +14,13 @@ from scenarios.compile_cache import use_compile_cache
 from scenarios.errors import BadInput, RunFailed, RunInterrupted
 from scenarios.interruption import Interruption
 
+if TYPE_CHECKING:
+    from scenarios.schema import Scenario
+
 FAILED, BAD_INPUT, SIGNALLED = 1, 2, 128
+
+ScenarioArgument = Annotated[str, typer.Argument(help="Name of a built-in scenario, or a path to a .toml file.")]
+Settings = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key, as in run.")]
 
 app = typer.Typer(
     help="A coach brakes on slippery rail: wheel slide protection, sensors and estimators under one roof.",
@@ -45,7 +51,7 @@ def common(
 
 @app.command()
 def run(
-    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or a path to a .toml file.")],
+    scenario: ScenarioArgument,
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -81,25 +87,18 @@ def run(
 @app.command()
 def check(
     file: Annotated[str, typer.Argument(help="Path to a .toml file, or the name of a built-in scenario.")],
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key, as in run.")
-    ] = None,
+    settings: Settings = None,
 ) -> None:
     """Validate a scenario without running it."""
     with _exit_codes():
-        use_compile_cache()
-        from scenarios.scenario_file import load_scenario
-
-        loaded = load_scenario(file, settings or ())
+        loaded = _load(file, settings)
         typer.echo(f"{file}: scenario {loaded.name} is valid")
 
 
 @app.command()
 def contact(
-    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or a path to a .toml file.")],
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key, as in run.")
-    ] = None,
+    scenario: ScenarioArgument,
+    settings: Settings = None,
     out: Annotated[
         Path,
         typer.Option(help="Where the folder <scenario.name>.contact is made; an older one of that name is replaced."),
@@ -107,10 +106,7 @@ def contact(
 ) -> None:
     """Show how the wheels of a scenario's coach touch its rails: figures, pictures, creep laws."""
     with _exit_codes() as interruption:
-        use_compile_cache()
-        from scenarios.scenario_file import load_scenario
-
-        loaded = load_scenario(scenario, settings or ())
+        loaded = _load(scenario, settings)
         from rich.console import Console
 
         from scenarios.contact_report import report_contact
@@ -145,19 +141,14 @@ def inspect(
 
 @app.command(name="export-fmu")
 def export_fmu(
-    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or a path to a .toml file.")],
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key, as in run.")
-    ] = None,
+    scenario: ScenarioArgument,
+    settings: Settings = None,
     out: Annotated[Path, typer.Option(help="The file to write; an older one is replaced.")] = Path("coach.fmu"),
     fmi: Annotated[int, typer.Option(min=2, max=3, help="Version of the FMI standard: 2 (2.0) or 3 (3.0).")] = 2,
 ) -> None:
     """Export the coach of a scenario as a co-simulation FMU: your tool works the valves (docs/coach-fmu.md)."""
     with _exit_codes():
-        use_compile_cache()
-        from scenarios.scenario_file import load_scenario
-
-        loaded = load_scenario(scenario, settings or ())
+        loaded = _load(scenario, settings)
         from scenarios.coach_fmu.export import export_fmu as export
 
         export(loaded, out, 2 if fmi == 2 else 3)
@@ -216,20 +207,15 @@ def verify(
 
 @app.command(name="compare-models")
 def compare_models(
-    scenario: Annotated[str, typer.Argument(help="Name of a built-in scenario, or a path to a .toml file.")],
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key, as in run.")
-    ] = None,
+    scenario: ScenarioArgument,
+    settings: Settings = None,
     model: Annotated[
         str, typer.Option(help="The reduced model: point-mass, or point-mass-as-printed in the thesis.")
     ] = "point-mass",
 ) -> None:
     """Drive a scenario by the coach and by a point mass, and show how far they are apart."""
     with _exit_codes() as interruption:
-        use_compile_cache()
-        from scenarios.scenario_file import load_scenario
-
-        loaded = load_scenario(scenario, settings or ())
+        loaded = _load(scenario, settings)
         from rich.console import Console
 
         from scenarios.compare_models import compare_and_report
@@ -316,6 +302,13 @@ def list_names() -> None:
         from scenarios.catalogue import catalogue_table
 
         Console().print(catalogue_table())
+
+
+def _load(scenario: str, settings: list[str] | None) -> "Scenario":
+    use_compile_cache()
+    from scenarios.scenario_file import load_scenario
+
+    return load_scenario(scenario, settings or ())
 
 
 @contextmanager

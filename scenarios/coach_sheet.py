@@ -9,7 +9,6 @@ import numpy as np
 
 from scenarios.units import KMH_PER_MPS
 from vehicle import CoachParameters
-from vehicle.characteristics import Characteristic
 from vehicle.curving import CurveLoads, deficiency_speed_mps, run_in_curve
 from vehicle.hunting import AMPLITUDE_M, Hunting, hunting_speed, hunting_speed_on_cones, profile_conicity, swings
 from vehicle.linear import Linearisation
@@ -78,7 +77,6 @@ class CoachSheet:
     bodies: tuple[Body, ...]
     loads: StaticLoads
     springs: tuple[Spring, ...]
-    characteristics: dict[str, Characteristic]
     modes: list[DampedMode]
     hunting: tuple[tuple[str, Hunting], ...]
     curves: tuple[InCurve, ...]
@@ -135,7 +133,6 @@ def coach_sheet(name: str, coach: CoachParameters, speed_mps: float) -> CoachShe
         bodies=_bodies(coach),
         loads=static_loads(coach),
         springs=_springs(coach),
-        characteristics=coach.characteristics,
         modes=damped_modes(linearisation.at(speed_mps)),
         hunting=tuple(_hunting(coach, linearisation)),
         curves=tuple(

@@ -117,7 +117,7 @@ def _spring_table(sheet: CoachSheet) -> Table:
 def _characteristic_table(sheet: CoachSheet) -> Table:
     table = _table("characteristics", "name", "first slope", "last point", "source")
     table.columns[-1].no_wrap, table.columns[-1].justify = False, "left"  # sentences
-    for key, curve in sheet.characteristics.items():
+    for key, curve in sheet.parameters.characteristics.items():
         speed = curve.speed_mps is not None
         (x, force), _ = curve.halves()
         slope = force[1] / x[1]

@@ -169,7 +169,7 @@ def brake(coach: CoachFmu, controller: Controller, ticks: int, record: Sequence[
     output = ControllerOutput()
     every = round(controller.period_s / TICK_S)
     rows: dict[str, list[list[Any]]] = {name: [] for name in ("time", *record)}
-    wanted = tuple({*rows, "axle_speed_mps", "axle_speed_valid", "demand_in_force"})
+    wanted = tuple(dict.fromkeys((*rows, "axle_speed_mps", "axle_speed_valid", "demand_in_force")))
     begin_s = time.perf_counter()
     for tick in range(ticks + 1):
         seen = coach.read(wanted)

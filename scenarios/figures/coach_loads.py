@@ -11,7 +11,7 @@ COLUMNS = 4
 
 def draw_characteristics(sheet: CoachSheet) -> Figure:
     """Force over speed of dampers, over deflection of stops; all odd-symmetric, continued with their last slope."""
-    curves = sheet.characteristics
+    curves = sheet.parameters.characteristics
     rows = max(1, -(-len(curves) // COLUMNS))
     figure = Figure(figsize=(WIDTH_IN, 0.6 + 2.3 * rows), dpi=DPI)
     figure.suptitle(f"{sheet.name}: characteristics", fontsize=11, fontweight="bold")
