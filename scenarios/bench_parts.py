@@ -10,7 +10,7 @@ from scenarios.cosimulation.line import Line
 from scenarios.schema import Scenario
 from vehicle.coach import SolverFailure
 from vehicle.exudyn_system import assemble, load_exudyn, solver_settings
-from vehicle.forces import coach_force, wheelset_contact
+from vehicle.forces import coach_force, wheels_on_rails
 from vehicle.jacobian import coach_jacobian
 from vehicle.layout import SPIN
 from vehicle.start import start_state
@@ -87,11 +87,5 @@ def _forces(count: int, q: Array, v: Array, f: Array, record: Record, track: Arr
 
 @compiled
 def _contacts(count: int, q: Array, v: Array, record: Record) -> None:
-    coach = record[0]
     for _ in range(count):
-        for i in range(4):
-            at = 18 + 6 * i
-            wheelset_contact(
-                i, q[at : at + 3], coach.rotation[3 + i], v[at : at + 3], v[at + 3 : at + 6], v[42 + i], coach,
-                coach.probe_wheelset[0], coach.probe_wheelset[1], coach.report[i],
-            )  # fmt: skip
+        wheels_on_rails(q, v, record[0])

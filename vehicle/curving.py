@@ -12,7 +12,7 @@ from vehicle.linear import clean_rail, polach_contact, without_resistance
 from vehicle.observation import OBSERVATION
 from vehicle.parameters import GRAVITY_MPS2, CoachParameters
 from wheel_rail import Track, TrackParameters
-from wheel_rail.contact import ALONG, LATERAL, LONGITUDINAL, NORMAL, UPWARDS
+from wheel_rail.contact import ALONG, LATERAL, LONGITUDINAL, NORMAL, REPORT, UPWARDS
 from wheel_rail.track_parameters import RAIL_SPACING_M
 
 _STRAIGHT_M, _TRANSITION_M = 60.0, 150.0
@@ -129,7 +129,7 @@ class _Sums:
 
 
 def _instant(row: np.void, coach: np.void) -> dict[str, np.ndarray]:
-    report = coach["report"]  # (4, 2, REPORT)
+    report = coach["report"].T.reshape(4, 2, REPORT)
     along, normal = report[..., ALONG : ALONG + 3], report[..., UPWARDS : UPWARDS + 3]
     across = np.cross(normal, along)
     force = (

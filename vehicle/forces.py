@@ -7,19 +7,32 @@ M q'' = f; each class times the velocities is its power, so that energy is audit
 
 import math
 
-from vehicle.layout import CLASSES
+from vehicle.layout import CLASSES, MOST_COORDINATES
 from vehicle.parameters import GRAVITY_MPS2
 from vehicle.suspension import add_suspension, body_frames, place_of
 from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_memory import recall_friction
 from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Record, array_at, compiled
-from wheel_rail.contact import flange_force, wheel_contact
+from wheel_rail.contact import (
+    AXLE,
+    CARRIER_RATE,
+    FRAME,
+    GROWTH,
+    GROWTH_SLOPE,
+    PLACE,
+    SPIN,
+    VELOCITY,
+    put_row,
+    wheel_contacts,
+)
 from wheel_rail.irregularities import displaced_frame, rail_offsets
+from wheel_rail.lanes import LANES, lanes_at, of_wheels, of_wheelsets, put_wheelsets
 from wheel_rail.track import track_frame
 
 GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, TRACK_BRAKE, GYROSCOPIC = range(CLASSES)
 
+_WHEELSETS = 27  # where the rotations of the wheelsets begin among those of the bodies
 _STANDING_MPS = 0.05  # below this speed the force of a track brake fades, so that it holds and does not push
 
 
@@ -41,43 +54,52 @@ def locate(q: Array, coach: Record, track: Array) -> None:
 
 
 @compiled
-def wheelset_contact(
-    i: int, position: Array, rotation: Array, velocity: Array, local_rate: Array, spin_radps: float, coach: Record,
-    normal: Array, creep: Array, report: Array,
-) -> None:  # fmt: skip
-    """Contact forces of wheelset i, `normal` and `creep` (7,): world force, body-axes moment, axle torque."""
-    axle = (rotation[0, 1], rotation[1, 1], rotation[2, 1])
-    x, z = local_rate[0], local_rate[2]
-    carrier = (
-        rotation[0, 0] * x + rotation[0, 2] * z,
-        rotation[1, 0] * x + rotation[1, 2] * z,
-        rotation[2, 0] * x + rotation[2, 2] * z,
-    )
-    for k in range(7):
-        normal[k] = 0.0
-        creep[k] = 0.0
-    left = right = coach.frame[i]
+def wheels_on_rails(q: Array, v: Array, coach: Record) -> None:
+    """Contact forces of all wheels on their wheelsets, into `coach.force`; needs frames, rotations, rail condition."""
+    wheels, rotation = coach.wheels, coach.rotation
+    for j in range(3):
+        axle = of_wheelsets(rotation, _WHEELSETS + 3 * j + 1, 9)
+        put_row(wheels, PLACE + j, of_wheelsets(q, 18 + j, 6))
+        put_row(wheels, AXLE + j, axle)
+        put_row(wheels, VELOCITY + j, of_wheelsets(v, 18 + j, 6))
+        x, z = of_wheelsets(rotation, _WHEELSETS + 3 * j, 9), of_wheelsets(rotation, _WHEELSETS + 3 * j + 2, 9)
+        put_row(wheels, CARRIER_RATE + j, x * of_wheelsets(v, 21, 6) + z * of_wheelsets(v, 23, 6))
+    put_row(wheels, SPIN, of_wheelsets(v, 42, 1))
+    put_row(wheels, GROWTH, of_wheels(coach.growth, 0, 2))
+    put_row(wheels, GROWTH_SLOPE, of_wheels(coach.growth, 1, 2))
     if coach.offset_nodes > 0:
-        offsets = coach.offsets
-        table = array_at(coach.offsets_at, (coach.offset_nodes, 8))
-        rail_offsets(coach.s[i], coach.offset_first_m, coach.offset_cell_m, table, offsets)
-        left, right = coach.rail_frame[i, 0], coach.rail_frame[i, 1]
-        displaced_frame(position, coach.frame[i], offsets, 0, left)
-        displaced_frame(position, coach.frame[i], offsets, 1, right)
-    contact = coach.contact
-    wheel_contact(
-        1, position, axle, velocity, carrier, spin_radps, left, contact, coach.condition[0, i],
-        coach.growth[i, 0, 0], coach.growth[i, 0, 1], normal, creep, report[0],
-    )  # fmt: skip
-    wheel_contact(
-        -1, position, axle, velocity, carrier, spin_radps, right, contact, coach.condition[1, i],
-        coach.growth[i, 1, 0], coach.growth[i, 1, 1], normal, creep, report[1],
-    )  # fmt: skip
-    flange_force(position, left, right, contact, normal)
-    for force in (normal, creep):
-        a, b, c = force[3], force[4], force[5]
+        _displace_rails(q, coach)
+        for k in range(14):
+            put_row(wheels, FRAME + k, of_wheels(coach.rail_frame, k, 14))
+    else:
+        for k in range(14):
+            put_row(wheels, FRAME + k, of_wheelsets(coach.frame, k, 14))
+    normal, creep = coach.wheel_normal, coach.wheel_creep
+    wheel_contacts(wheels, coach.contact, coach.condition, normal, creep, coach.report)
+    force = coach.force
+    for number in range(2):
+        rows = normal if number == 0 else creep
+        at = (CONTACT_NORMAL if number == 0 else CREEP) * MOST_COORDINATES
+        a, b, c = lanes_at(rows, 3 * LANES), lanes_at(rows, 4 * LANES), lanes_at(rows, 5 * LANES)
         for j in range(3):
-            force[3 + j] = rotation[0, j] * a + rotation[1, j] * b + rotation[2, j] * c
+            put_wheelsets(force, at + 18 + j, 6, lanes_at(rows, j * LANES))
+            # moments in body axes
+            x, y = of_wheelsets(rotation, _WHEELSETS + j, 9), of_wheelsets(rotation, _WHEELSETS + 3 + j, 9)
+            z = of_wheelsets(rotation, _WHEELSETS + 6 + j, 9)
+            put_wheelsets(force, at + 21 + j, 6, x * a + y * b + z * c)
+        put_wheelsets(force, at + 42, 1, lanes_at(rows, 6 * LANES))
+
+
+@compiled
+def _displace_rails(q: Array, coach: Record) -> None:
+    """The track frame as the rail under each wheel has it, on rough rails."""
+    offsets = coach.offsets
+    table = array_at(coach.offsets_at, (coach.offset_nodes, 8))
+    for i in range(4):
+        position = q[18 + 6 * i : 21 + 6 * i]
+        rail_offsets(coach.s[i], coach.offset_first_m, coach.offset_cell_m, table, offsets)
+        displaced_frame(position, coach.frame[i], offsets, 0, coach.rail_frame[i, 0])
+        displaced_frame(position, coach.frame[i], offsets, 1, coach.rail_frame[i, 1])
 
 
 @compiled
@@ -167,18 +189,9 @@ def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailT
         along = v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5]
         coach.along[i] = along
         for side in range(2):
-            rail_condition(coach.s[i], side, along, rail, coach.condition[side, i])
+            rail_condition(coach.s[i], side, along, rail, coach.condition[i, side])
             if rail.memory_distance_m > 0.0:
-                recall_friction(coach.condition[side, i], coach.memory[side, i])
-        normal, creep = coach.probe_wheelset[0], coach.probe_wheelset[1]
-        wheelset_contact(
-            i, q[at : at + 3], rotation, v[at : at + 3], v[at + 3 : at + 6], spin, coach, normal, creep, coach.report[i]
-        )
-        for k in range(6):
-            force[CONTACT_NORMAL, at + k] = normal[k]
-            force[CREEP, at + k] = creep[k]
-        force[CONTACT_NORMAL, spin_at] = normal[6]
-        force[CREEP, spin_at] = creep[6]
+                recall_friction(coach.condition[i, side], coach.memory[side, i])
         # torques on the spinning wheelset react on the bogie that carries caliper and gearbox
         torque, coach.stuck[i] = _brake_torque(i, q[spin_at], spin, coach)
         coach.brake_torque[i] = torque
@@ -196,6 +209,7 @@ def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailT
         momentum = coach.spin_inertia * spin
         force[GYROSCOPIC, at + 3] += momentum * v[at + 5]
         force[GYROSCOPIC, at + 5] -= momentum * v[at + 3]
+    wheels_on_rails(q, v, coach)
 
 
 @compiled

@@ -34,7 +34,7 @@ def coach_jacobian(q: Array, v: Array, factor_q: float, factor_v: float, record:
     add_suspension_jacobian(q, v, coach, factor_q, factor_v, jacobian)
     for i in range(4):
         for side in range(2):
-            report = coach.report[i, side]
+            report = coach.report[:, 2 * i + side]
             coach.old_tangent[i, side] = report[TANGENT]
             coach.old_secant[i, side] = report[SECANT]
             coach.old_touch[i, side] = 1.0 if report[NORMAL] > 0.0 else 0.0

@@ -17,7 +17,8 @@ from wheel_rail import CONTACT, Contact
 from wheel_rail.adhesion_memory import MEMORY
 from wheel_rail.adhesion_state import RAIL
 from wheel_rail.compiled import record_reader
-from wheel_rail.contact import REPORT
+from wheel_rail.contact import REPORT, WHEEL
+from wheel_rail.lanes import LANES
 from wheel_rail.recovery import CONDITION
 from wheel_rail.sanding import MOST_SANDERS
 
@@ -108,8 +109,8 @@ COACH = np.dtype(
             (4, 2, 2),
         ),  # of each wheel's radius over the nominal one where it touches, and per rad of turn
         ("along", "f8", (4,)),  # speed of the wheelsets along the track
-        ("condition", "f8", (2, 4, CONDITION)),  # of the rail under each wheel
-        ("report", "f8", (4, 2, REPORT)),
+        ("condition", "f8", (4, 2, CONDITION)),  # of the rail under each wheel
+        ("report", "f8", (REPORT, LANES)),
         ("brake_torque", "f8", (4,)),
         ("stuck", "f8", (4,)),
         # of the last Jacobian, to tell when it has aged
@@ -126,7 +127,9 @@ COACH = np.dtype(
         ("moment", "f8", (MOST_BODIES, 3)),
         ("probe_element", "f8", (12,)),
         ("probe_map", "f8", (12,)),
-        ("probe_wheelset", "f8", (2, 7)),
+        ("wheels", "f8", (WHEEL, LANES)),  # what the contact is given, and its forces
+        ("wheel_normal", "f8", (7, LANES)),
+        ("wheel_creep", "f8", (7, LANES)),
         ("probe_rows", "f8", (6, 7)),
         ("offsets", "f8", (8,)),
         ("rail_frame", "f8", (4, 2, 14)),  # the track as the rail under each wheel has it; on rough rails only

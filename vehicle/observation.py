@@ -167,10 +167,10 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
         out.drive_torque_nm[i] = coach.drive[i]
         out.friction_power_w[i] = 0.0
         for side in range(2):
-            report = coach.report[i, side]
+            report = coach.report[:, 2 * i + side]
             out.normal_force_n[2 * i + side] = report[NORMAL]
             out.longitudinal_force_n[2 * i + side] = report[LONGITUDINAL]
             out.lateral_force_n[2 * i + side] = report[LATERAL]
             out.friction_power_w[i] += report[SLIDE_POWER]
             for k in range(CONDITION):
-                out.rail_condition[side, i, k] = coach.condition[side, i, k]
+                out.rail_condition[side, i, k] = coach.condition[i, side, k]

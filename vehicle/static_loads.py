@@ -72,7 +72,7 @@ def static_loads(parameters: CoachParameters) -> StaticLoads:
         load[k] = coach["preload"][e] + coach["stiffness"][e, 2] * (place[1] - place[0])[2]
     bodies = range(coach["bodies"])
     return StaticLoads(
-        wheel_load_n=(report[:, :, NORMAL] * report[:, :, UPWARDS + 2]).ravel(),
+        wheel_load_n=report[NORMAL] * report[UPWARDS + 2],
         elements=carrying,
         spring_load_n=load,
         spring_deflection_m=load / coach["stiffness"][carrying, 2],

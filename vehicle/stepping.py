@@ -16,6 +16,7 @@ from wheel_rail.adhesion_memory import remember_friction
 from wheel_rail.adhesion_state import RailTables, crush_sand, deposit, rail_of
 from wheel_rail.compiled import Array, Record, array_at, compiled
 from wheel_rail.contact import LONGITUDINAL, NORMAL, PENETRATION, SECANT, SLIDE, SLIDE_POWER, SLIDE_SPEED, TANGENT
+from wheel_rail.lanes import LANES, lanes_at, put_lanes, some
 from wheel_rail.sanding import lay_sand
 
 SPECTRAL_RADIUS = 0.1
@@ -78,10 +79,10 @@ def _mark_rail(step_s: float, coach: Record, rail: RailTables) -> None:
     """What the wheels have done to the rail in the step that has ended: energy left, sand crushed and laid."""
     for i in range(4):
         for side in range(2):
-            report = coach.report[i, side]
+            report = coach.report[:, 2 * i + side]
             deposit(rail, side, coach.passed[i], coach.s[i], step_s * report[SLIDE_POWER])
             if rail.memory_distance_m > 0.0:
-                condition = coach.condition[side, i]
+                condition = coach.condition[i, side]
                 rail_condition(coach.s[i], side, coach.along[i], rail, condition)
                 remember_friction(
                     condition, coach.memory[side, i], report[SLIDE_SPEED], step_s, rail.memory_distance_m,
@@ -115,17 +116,18 @@ def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
         coach.regaining[i] = 1.0 if _regains_grip(i, unit, coach) else 0.0
         if coach.regaining[i] > 0.0 or was_regaining > 0.0:
             aged = True
-        for side in range(2):
-            report = coach.report[i, side]
-            error = abs(report[TANGENT] - coach.old_tangent[i, side])
-            moved = abs(report[SLIDE] - coach.old_slide[i, side])
-            coach.old_slide[i, side] = report[SLIDE]
-            if error * moved > _STALE_SHARE * report[NORMAL] or error > 0.5 * (unit + abs(coach.old_tangent[i, side])):
-                aged = True
-            if abs(report[SECANT] - coach.old_secant[i, side]) > 0.5 * (unit + coach.old_secant[i, side]):
-                aged = True
-            if (report[PENETRATION] > 0.0) != (coach.old_touch[i, side] > 0.0):
-                aged = True
+    tangent, secant = lanes_at(coach.report, TANGENT * LANES), lanes_at(coach.report, SECANT * LANES)
+    slide, depth = lanes_at(coach.report, SLIDE * LANES), lanes_at(coach.report, PENETRATION * LANES)
+    old_tangent, old_secant = lanes_at(coach.old_tangent, 0), lanes_at(coach.old_secant, 0)
+    old_touch = lanes_at(coach.old_touch, 0)
+    error = abs(tangent - old_tangent)
+    moved = abs(slide - lanes_at(coach.old_slide, 0))
+    put_lanes(coach.old_slide, 0, slide)
+    false_force = error * moved > _STALE_SHARE * lanes_at(coach.report, NORMAL * LANES)
+    changed = (error > 0.5 * (unit + abs(old_tangent))) | (abs(secant - old_secant) > 0.5 * (unit + old_secant))
+    landed, lifted = (depth > 0.0) & (old_touch <= 0.0), (depth <= 0.0) & (old_touch > 0.0)
+    if some(false_force | changed | landed | lifted):
+        aged = True
     turn = coach.rotation[0, 1, 0] * coach.old_heading[0] - coach.rotation[0, 0, 0] * coach.old_heading[1]
     return aged or abs(turn) > 0.002
 
@@ -137,7 +139,7 @@ def _regains_grip(i: int, unit: float, coach: Record) -> bool:
     The tangent there is flat and knows nothing of the force that reverses beyond: the wheelset would ring from one side
     to the other, step by step. `unit`: spin inertia over step and radius squared, N s/m.
     """
-    left, right = coach.report[i, 0], coach.report[i, 1]
+    left, right = coach.report[:, 2 * i], coach.report[:, 2 * i + 1]
     slide = 0.5 * (left[SLIDE] + right[SLIDE])
     tangent, secant = left[TANGENT] + right[TANGENT], left[SECANT] + right[SECANT]
     if tangent > 0.5 * secant:

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 
 from wheel_rail.compiled import Array, Vector, compiled, inlined
+from wheel_rail.lanes import Lanes, where
 from wheel_rail.slip import counted_lateral_creep, friction, tangent_with_fall
 
 
@@ -49,8 +50,8 @@ def polach_force(
 
 @inlined
 def polach_slip(
-    creep_x: float, creep_y: float, spin_1pm: float, patch: Vector, shear_modulus_pa: float
-) -> tuple[float, float, float, float]:
+    creep_x: Lanes, creep_y: Lanes, spin_1pm: Lanes, patch: Vector, shear_modulus_pa: float
+) -> tuple[Lanes, Lanes, Lanes, Lanes]:
     """What does not depend on friction, once for all friction curves of a rail.
 
     Total creepage; stiffness k = (1/4) G pi a b c, so that eps = k s/(mu N) (N per unit creep); the same for the
@@ -59,56 +60,51 @@ def polach_slip(
     a, b, c11, c22, c23 = patch[0], patch[1], patch[2], patch[3], patch[4]
     counted = counted_lateral_creep(creep_y, spin_1pm, a)
     total = math.sqrt(creep_x * creep_x + counted * counted)
+    rests = total < 1e-14
+    per_total = where(rests, 0.0, 1.0 / total)
     scale = 0.25 * shear_modulus_pa * math.pi * a * b
-    if total < 1e-14:
-        return 0.0, scale * c11, 0.0, 0.0
-    per_total = 1.0 / total
-    stiffness = scale * math.sqrt((c11 * creep_x) ** 2 + (c22 * counted) ** 2) * per_total
+    cx, cy = c11 * creep_x, c22 * counted
+    stiffness = scale * where(rests, c11, math.sqrt(cx * cx + cy * cy) * per_total)
     aspect = patch[5]
     spin_stiffness = 8.0 / 3.0 * shear_modulus_pa * b * math.sqrt(a * b) * c23 * abs(counted) / aspect
-    return total, stiffness, spin_stiffness, 9.0 / 16.0 * a * aspect * spin_1pm * per_total
+    return where(rests, 0.0, total), stiffness, spin_stiffness, 9.0 / 16.0 * a * aspect * spin_1pm * per_total
 
 
 @inlined
 def polach_on_curve(
-    creep_x: float, creep_y: float, slip_speed_mps: float, normal_force_n: float,
-    slip: tuple[float, float, float, float], rail: Array,
-) -> tuple[float, float, float, float]:  # fmt: skip
+    creep_x: Lanes, creep_y: Lanes, slip_speed_mps: Lanes, normal_force_n: Lanes,
+    slip: tuple[Lanes, Lanes, Lanes, Lanes], rail: Vector,
+) -> tuple[Lanes, Lanes, Lanes, Lanes]:  # fmt: skip
     """`polach_force` on one friction curve, from what `polach_slip` has found."""
     total, stiffness, spin_stiffness, spin_factor = slip
     k_adhesion, k_slip = rail[3], rail[4]
     mu = friction(rail, slip_speed_mps)
     limit = mu * normal_force_n
-    if total == 0.0 or limit <= 0.0:
-        slope = stiffness * (k_adhesion + k_slip) * 2.0 / math.pi
-        return 0.0, 0.0, slope, slope
+    rests = (total <= 0.0) | (limit <= 0.0)
     per_limit = 1.0 / limit
     eps = stiffness * total * per_limit
     eps_a, eps_s = k_adhesion * eps, k_slip * eps
     share = 1.0 / (1.0 + eps_a * eps_a)
-    force = limit * 2.0 / math.pi * (eps_a * share + math.atan(eps_s))
-    tangent = (
-        2.0 / math.pi * stiffness
-        * (k_adhesion * (1.0 - eps_a * eps_a) * share * share + k_slip / (1.0 + eps_s * eps_s))
-    )  # fmt: skip
+    force = limit * (2.0 / math.pi) * (eps_a * share + math.atan(eps_s))
+    initial = 2.0 / math.pi * stiffness
+    tangent = initial * (k_adhesion * (1.0 - eps_a * eps_a) * share * share + k_slip / (1.0 + eps_s * eps_s))
     tangent = tangent_with_fall(tangent, force, total, slip_speed_mps, mu, rail)
     secant = force / total
-    fx, fy = -secant * creep_x, -secant * creep_y
-    if spin_factor != 0.0:
-        eps_spin = spin_stiffness * per_limit
-        square = eps_spin * eps_spin
-        share = 1.0 / (square + 1.0)
-        # delta of the source; sqrt(1 - delta^2) = 2 eps/(eps^2 + 1)
-        delta = (square - 1.0) * share
-        k_moment = (
-            eps_spin * (delta * delta * delta / 3.0 - 0.5 * delta * delta + 1.0 / 6.0)
-            - (2.0 * eps_spin * share) ** 3 / 3.0
-        )
-        # k_moment is negative: the force of spin acts against the lateral creepage that spin makes
-        fy += spin_factor * limit * k_moment
-        size2 = fx * fx + fy * fy
-        if size2 > limit * limit:
-            shrink = limit / math.sqrt(size2)
-            fx *= shrink
-            fy *= shrink
-    return fx, fy, tangent, secant
+    # Polach's lateral force of spin; delta of the source; sqrt(1 - delta^2) = 2 eps/(eps^2 + 1)
+    eps_spin = spin_stiffness * per_limit
+    square = eps_spin * eps_spin
+    share = 1.0 / (square + 1.0)
+    delta = (square - 1.0) * share
+    root = 2.0 * eps_spin * share
+    k_moment = eps_spin * (delta * delta * (delta / 3.0 - 0.5) + 1.0 / 6.0) - root * root * root / 3.0
+    # k_moment is negative: the force of spin acts against the lateral creepage that spin makes
+    fx, fy = -secant * creep_x, spin_factor * limit * k_moment - secant * creep_y
+    size = math.sqrt(fx * fx + fy * fy)
+    shrink = where(size > limit, limit / size, 1.0)
+    slope = initial * (k_adhesion + k_slip)
+    return (
+        where(rests, 0.0, fx * shrink),
+        where(rests, 0.0, fy * shrink),
+        where(rests, slope, tangent),
+        where(rests, slope, secant),
+    )

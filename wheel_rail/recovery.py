@@ -12,10 +12,12 @@ import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
+from numba.extending import overload
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, WrapValidator, model_validator
 
 from wheel_rail.compiled import Array, Vector, compiled, inlined
 from wheel_rail.creep_laws import POLACH, creep_force
+from wheel_rail.lanes import Lanes, LanesType, every, greater, lane, lanes_of, lesser, where
 from wheel_rail.polach import Surface, polach_on_curve, polach_slip
 
 # layout of a wheel's rail condition: two friction curves, what lies between them, and what the rail carries
@@ -103,19 +105,25 @@ NamedRecovery = Annotated[RecoveryParameters | None, WrapValidator(_by_name)]
 
 
 @inlined
-def _growth(z: float) -> float:
+def _growth(z: Lanes) -> Lanes:
     """g = exp(x) with x exp(-x) = z and x <= 1 (Lambert's W: x = -W0(-z)), for z <= 1/e.
 
-    Where wheels mostly are, a polynomial fitted to it (1e-12). Elsewhere a start good to 2e-5 and one step of fourth
-    order: relative error below 1e-13 but for a few 1e-9 near z = 1/e. Source of the step: F. N. Fritsch, R. E. Shafer,
-    W. P. Crowley, Commun. ACM 16 (1973) 123-124.
+    Where wheels mostly are, a polynomial fitted to it (1e-12).
     """
-    if -0.01 <= z <= 0.12:
+    if every((z >= -0.01) & (z <= 0.12)):
         z2 = z * z
         z4 = z2 * z2
         low = 1.0000000000240095 + 1.4999999641113373 * z + z2 * (2.666667853818012 + 5.208555257506981 * z)
         middle = 10.78054332110237 + 24.031436323605 * z + z2 * (38.78765701510455 + 265.68515807306676 * z)
-        return 1.0 + z * (low + z4 * (middle + z4 * (-644.414883801599 + 3404.9470485670136 * z)))
+        return 1.0 + z * (low + z4 * (middle + z4 * (3404.9470485670136 * z - 644.414883801599)))
+    return _growth_of_each(z)
+
+
+@compiled
+def _growth_anywhere(z: float) -> float:
+    """`_growth` by a start good to 2e-5 and one step of fourth order: relative error below 1e-13 but for a few 1e-9
+    near z = 1/e. Source of the step: F. N. Fritsch, R. E. Shafer, W. P. Crowley, Commun. ACM 16 (1973) 123-124.
+    """
     steps = 1
     if z >= 0.0:
         q = math.sqrt(max(1.0 - math.e * z, 0.0))
@@ -133,10 +141,30 @@ def _growth(z: float) -> float:
     return g
 
 
+def _growth_of_each(z: Lanes) -> Lanes:
+    """`_growth_anywhere` in every lane."""
+    return _growth_anywhere(z)
+
+
+def _growth_of_lanes(z: Lanes) -> Lanes:
+    return lanes_of(
+        (
+            _growth_anywhere(lane(z, 0)), _growth_anywhere(lane(z, 1)), _growth_anywhere(lane(z, 2)),
+            _growth_anywhere(lane(z, 3)), _growth_anywhere(lane(z, 4)), _growth_anywhere(lane(z, 5)),
+            _growth_anywhere(lane(z, 6)), _growth_anywhere(lane(z, 7)),
+        )
+    )  # fmt: skip
+
+
+@overload(_growth_of_each)
+def _growth_by_type(z: Lanes) -> Any:
+    return _growth_of_lanes if isinstance(z, LanesType) else _growth_of_each
+
+
 @inlined
 def share_degraded(
-    degraded_n: float, recovered_n: float, tau_mpj: float, energy_jpm: float, way_creep: float
-) -> tuple[float, float]:
+    degraded_n: Lanes, recovered_n: Lanes, tau_mpj: Lanes, energy_jpm: Lanes, way_creep: Lanes
+) -> tuple[Lanes, Lanes]:
     """Solve p = (1 - lambda) p_d + lambda p_r with 1 - lambda = exp(-tau (E + p e)); returns 1 - lambda, and x.
 
     `degraded_n`, `recovered_n`: the forces against the slip p_d, p_r >= 0; `way_creep`: slide per metre of rail, e.
@@ -147,7 +175,7 @@ def share_degraded(
     least = math.exp(-tau_mpj * energy_jpm - k * recovered_n)
     z = k * (recovered_n - degraded_n) * least
     g = _growth(z)
-    return min(least * g, 1.0), min(z * g, 1.0)
+    return lesser(least * g, 1.0), lesser(z * g, 1.0)
 
 
 @inlined
@@ -179,44 +207,62 @@ def adhesive_force(
     is referred; `condition` (CONDITION,): what `rail_condition` says. Results as in `creep_force`; the tangent is that
     of the composed law at a constant ratio of slide to creep. Costs no more than the law where nothing recovers.
     """
-    tau = condition[TAU]
-    slip = (0.0, 0.0, 0.0, 0.0)
     if law == POLACH:
-        # the law of most runs: what its two curves share is worked out once
-        slip = polach_slip(creep_x, creep_y, spin_1pm, patch, shear_modulus_pa)
-        fx, fy, tangent, secant = polach_on_curve(
-            creep_x, creep_y, slip_speed_mps, normal_force_n, slip, _curve(condition, DEGRADED)
-        )
-    else:
-        fx, fy, tangent, secant = _force_on_curve(
-            law, address, extra, creep_x, creep_y, spin_1pm, slip_speed_mps, normal_force_n, patch, condition, DEGRADED,
-            shear_modulus_pa,
+        return polach_adhesion(
+            creep_x, creep_y, spin_1pm, slip_speed_mps, speed_mps, normal_force_n, patch, _curve(condition, DEGRADED),
+            _curve(condition, RECOVERED), condition[TAU], condition[ENERGY], shear_modulus_pa,
         )  # fmt: skip
-    if tau <= 0.0:
-        return fx, fy, tangent, secant
-    if law == POLACH:
-        rx, ry, r_tangent, r_secant = polach_on_curve(
-            creep_x, creep_y, slip_speed_mps, normal_force_n, slip, _curve(condition, RECOVERED)
-        )
-    else:
-        rx, ry, r_tangent, r_secant = _force_on_curve(
-            law, address, extra, creep_x, creep_y, spin_1pm, slip_speed_mps, normal_force_n, patch, condition,
-            RECOVERED, shear_modulus_pa,
-        )  # fmt: skip
+    on_degraded = _force_on_curve(
+        law, address, extra, creep_x, creep_y, spin_1pm, slip_speed_mps, normal_force_n, patch, condition, DEGRADED,
+        shear_modulus_pa,
+    )  # fmt: skip
+    if condition[TAU] <= 0.0:
+        return on_degraded
+    on_recovered = _force_on_curve(
+        law, address, extra, creep_x, creep_y, spin_1pm, slip_speed_mps, normal_force_n, patch, condition, RECOVERED,
+        shear_modulus_pa,
+    )  # fmt: skip
+    return _between(
+        on_degraded, on_recovered, creep_x, creep_y, slip_speed_mps, speed_mps, condition[TAU], condition[ENERGY]
+    )
+
+
+@inlined
+def polach_adhesion(
+    creep_x: Lanes, creep_y: Lanes, spin_1pm: Lanes, slip_speed_mps: Lanes, speed_mps: Lanes, normal_force_n: Lanes,
+    patch: Vector, degraded: Vector, recovered: Vector, tau_mpj: Lanes, energy_jpm: Lanes, shear_modulus_pa: float,
+) -> tuple[Lanes, Lanes, Lanes, Lanes]:  # fmt: skip
+    """`adhesive_force` under Polach's law, the law of most runs, for one wheel or for all at once.
+
+    `degraded`, `recovered`: the friction curves, as in `polach_force`; what they share is worked out once.
+    """
+    slip = polach_slip(creep_x, creep_y, spin_1pm, patch, shear_modulus_pa)
+    on_degraded = polach_on_curve(creep_x, creep_y, slip_speed_mps, normal_force_n, slip, degraded)
+    if every(tau_mpj <= 0.0):
+        return on_degraded
+    on_recovered = polach_on_curve(creep_x, creep_y, slip_speed_mps, normal_force_n, slip, recovered)
+    return _between(on_degraded, on_recovered, creep_x, creep_y, slip_speed_mps, speed_mps, tau_mpj, energy_jpm)
+
+
+@inlined
+def _between(
+    on_degraded: Vector, on_recovered: Vector, creep_x: Lanes, creep_y: Lanes, slip_speed_mps: Lanes, speed_mps: Lanes,
+    tau_mpj: Lanes, energy_jpm: Lanes,
+) -> tuple[Lanes, Lanes, Lanes, Lanes]:  # fmt: skip
+    """Force, tangent and secant on rail that recovers, from those on its two curves."""
+    fx, fy, tangent, secant = on_degraded
+    rx, ry, r_tangent, r_secant = on_recovered
     creep = math.sqrt(creep_x * creep_x + creep_y * creep_y)
-    if creep < 1e-14:
-        kept, x, force = math.exp(-tau * condition[ENERGY]), 0.0, 0.0
-    else:
-        # what works is the force against the slip; with spin it may push along
-        per_creep = 1.0 / creep
-        degraded = max(-(fx * creep_x + fy * creep_y) * per_creep, 0.0)
-        recovered = max(-(rx * creep_x + ry * creep_y) * per_creep, 0.0)
-        way_creep = slip_speed_mps / max(abs(speed_mps), LOWEST_SPEED_MPS)
-        kept, x = share_degraded(degraded, recovered, tau, condition[ENERGY], way_creep)
-        force = (degraded + (1.0 - kept) * (recovered - degraded)) * per_creep
+    per_creep = where(creep < 1e-14, 0.0, 1.0 / creep)
+    # what works is the force against the slip; with spin it may push along
+    degraded = greater(-(fx * creep_x + fy * creep_y) * per_creep, 0.0)
+    recovered = greater(-(rx * creep_x + ry * creep_y) * per_creep, 0.0)
+    way_creep = slip_speed_mps / greater(abs(speed_mps), LOWEST_SPEED_MPS)
+    kept, x = share_degraded(degraded, recovered, tau_mpj, energy_jpm, way_creep)
     gained = 1.0 - kept
+    force = (degraded + gained * (recovered - degraded)) * per_creep
     # dp/ds (1 - x) = (1 - lambda) p_d' + lambda p_r' + x p/s
-    tangent = (kept * tangent + gained * r_tangent + x * force) / max(1.0 - x, 1e-3)
+    tangent = (kept * tangent + gained * r_tangent + x * force) / greater(1.0 - x, 1e-3)
     return kept * fx + gained * rx, kept * fy + gained * ry, tangent, kept * secant + gained * r_secant
 
 

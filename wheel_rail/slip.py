@@ -1,29 +1,31 @@
-"""What the creep laws share: the friction at a slip speed, the total creepage and its direction."""
+"""What the creep laws share: the friction at a slip speed, the total creepage and its direction.
+
+Functions of `Lanes` take floats as well.
+"""
 
 import math
 
 from wheel_rail.compiled import Array, compiled, inlined
+from wheel_rail.lanes import Lanes, where
 
 
 @inlined
-def friction(rail: Array, slip_speed_mps: float) -> float:
+def friction(rail: Array, slip_speed_mps: Lanes) -> Lanes:
     """mu(w) = mu0 ((1 - A) exp(-B w) + A), `rail` = (mu0, A, B in s/m, kA, kS). O. Polach, Wear 258 (2005) 992-1000."""
     return rail[0] * ((1.0 - rail[1]) * math.exp(-rail[2] * slip_speed_mps) + rail[1])
 
 
 @inlined
 def tangent_with_fall(
-    tangent: float, force_n: float, creep: float, slip_speed_mps: float, mu: float, rail: Array
-) -> float:
+    tangent: Lanes, force_n: Lanes, creep: Lanes, slip_speed_mps: Lanes, mu: Lanes, rail: Array
+) -> Lanes:
     """Tangent dF/ds when the slip speed grows with the creep, from the `tangent` at fixed friction.
 
     `force_n` along the slip at resultant creepage `creep` without spin. Forces are homogeneous in creepage and mu N, so
     what the force does not owe to the creepage, F - s dF/ds, it owes to mu N (exact without spin).
     """
-    if creep < 1e-14:
-        return tangent
     fall = -rail[2] * (mu - rail[0] * rail[1]) / mu
-    return tangent + (force_n - tangent * creep) * fall * slip_speed_mps / creep
+    return where(creep < 1e-14, tangent, tangent + (force_n - tangent * creep) * fall * slip_speed_mps / creep)
 
 
 @compiled
@@ -37,10 +39,10 @@ def total_creep(creep_x: float, creep_y: float, spin_1pm: float, a_m: float) -> 
 
 
 @inlined
-def counted_lateral_creep(creep_y: float, spin_1pm: float, a_m: float) -> float:
+def counted_lateral_creep(creep_y: Lanes, spin_1pm: Lanes, a_m: Lanes) -> Lanes:
     """Lateral creepage with spin where spin increases it (etac of `total_creep`)."""
     with_spin = creep_y + spin_1pm * a_m
-    return with_spin if abs(with_spin) > abs(creep_y) else creep_y
+    return where(abs(with_spin) > abs(creep_y), with_spin, creep_y)
 
 
 @compiled

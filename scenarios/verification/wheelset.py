@@ -7,7 +7,7 @@ import numpy as np
 from scenarios.verification.adhesion import conical_contact
 from scenarios.verification.case import Case
 from wheel_rail import Track, TrackParameters
-from wheel_rail.contact import REPORT, wheel_contact
+from wheel_rail.one_wheelset import wheelset_contact
 from wheel_rail.recovery import CONDITION, DEGRADED, RECOVERED
 from wheel_rail.track import track_frame
 from wheel_rail.track_parameters import RAIL_SPACING_M
@@ -40,13 +40,8 @@ def _guidance() -> np.ndarray:
         velocity = SPEED_MPS * along + shifting * across
         rate = yawing * upwards
         spin = SPEED_MPS / contact.rolling_radius_m
-        normal, creep, report = np.zeros(7), np.zeros(7), np.zeros(REPORT)
-        for side in (1, -1):
-            wheel_contact(
-                side, position, axle, velocity, rate, spin, frame, contact.constants, condition, 0.0, 0.0,
-                normal, creep, report,
-            )  # fmt: skip
-        total = normal + creep
+        normal, creep, _ = wheelset_contact(position, axle, velocity, rate, spin, frame, contact.constants, condition)
+        total = (normal + creep).sum(axis=0)
         return np.array([total[:3] @ across, total[3:6] @ upwards])
 
     found = np.empty((2, 4))

@@ -8,6 +8,7 @@ from tests.vehicle.test_forces import forces_of_a_coach_at_rest, largest_error_o
 from vehicle import POWERS, CoachParameters
 from vehicle.layout import first_coordinate
 from vehicle.modes import Mode, undamped_modes
+from wheel_rail.contact import NORMAL
 
 FULL_BRAKE_NM = 6300.0
 CURVE = {"start_m": 100.0, "transition_m": 100.0, "length_m": 600.0, "radius_m": 800.0, "cant_mm": 100.0}
@@ -49,7 +50,7 @@ def test_low_natural_frequencies_are_those_of_the_lumped_coach() -> None:
 def test_nothing_moves_at_rest(make_bench: MakeBench, coach: CoachParameters) -> None:
     """Every body is carried where it stands, and each wheel bears an eighth."""
     record, _, _ = forces_of_a_coach_at_rest(make_bench(given=coach))
-    assert record["report"][:, :, 0] == pytest.approx(np.full((4, 2), coach.static_wheel_load_n), rel=2e-3)
+    assert record["report"][NORMAL] == pytest.approx(np.full(8, coach.static_wheel_load_n), rel=2e-3)
     for i in range(15):
         at = first_coordinate(i)
         without_creep = record["force"][[0, 1, 2], at + 2].sum()

@@ -10,6 +10,7 @@ from vehicle.forces import GRAVITY, SUSPENSION, coach_force, forces_by_class
 from vehicle.jacobian import coach_jacobian
 from vehicle.layout import BODIES, SPIN
 from vehicle.start import start_state
+from wheel_rail.contact import NORMAL
 from wheel_rail.contact_table import NODES, SLOPE
 
 
@@ -23,7 +24,7 @@ def test_static_wheel_loads(make_bench: MakeBench) -> None:
     bench = make_bench()
     coach, _, _ = forces_of_a_coach_at_rest(bench)
     slope = bench.contact.constants["table"][0, NODES // 2, SLOPE]
-    vertical = coach["report"][:, :, 0] / np.sqrt(1.0 + slope**2)
+    vertical = coach["report"][NORMAL].reshape(4, 2) / np.sqrt(1.0 + slope**2)
     assert vertical == pytest.approx(np.full((4, 2), 68_670.0), rel=1e-6)
     for i in range(BODIES):
         weight = -coach["force"][GRAVITY, 6 * i + 2]

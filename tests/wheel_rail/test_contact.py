@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from tests.wheel_rail.rail_kinds import CONTACT
 from tests.wheel_rail.test_track import TRACK, frame_at
-from wheel_rail.contact import LONGITUDINAL, NORMAL, PENETRATION, REPORT, SLIDE_POWER, wheel_contact
+from wheel_rail.contact import LONGITUDINAL, NORMAL, PENETRATION, SLIDE_POWER
 from wheel_rail.contact_table import STIFFNESS
+from wheel_rail.one_wheelset import wheelset_contact
 from wheel_rail.recovery import CONDITION, DEGRADED, ENERGY, FALLING_A, MU0, RECOVERED, TAU
 
 DRY = np.zeros(CONDITION)
@@ -29,11 +30,8 @@ def contact(
     axle = n - yaw * t + roll * b
     axle /= np.linalg.norm(axle)
     position = frame[:3] + lateral_m * n + (0.46 - sink_m) * b
-    normal, creep, report = np.zeros(7), np.zeros(7), np.zeros(REPORT)
-    wheel_contact(
-        side, position, axle, speed * t, np.zeros(3), spin, frame, CONSTANTS, condition, *growth,
-        normal, creep, report,
-    )  # fmt: skip
+    both = wheelset_contact(position, axle, speed * t, np.zeros(3), spin, frame, CONSTANTS, condition, growth)
+    normal, creep, report = (wheels[0 if side > 0 else 1] for wheels in both)
     return normal, creep, report, np.concatenate([speed * t, np.zeros(3), [spin]])
 
 

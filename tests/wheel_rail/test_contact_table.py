@@ -9,7 +9,7 @@ from scipy.special import ellipe, ellipk
 
 from tests.wheel_rail.rail_kinds import CONTACT as CONES
 from wheel_rail import Contact, ContactParameters
-from wheel_rail.contact import PENETRATION, REPORT, wheel_contact
+from wheel_rail.contact import PENETRATION
 from wheel_rail.contact_geometry import ContactGeometry
 from wheel_rail.contact_search import CONICITY
 from wheel_rail.contact_table import (
@@ -24,6 +24,7 @@ from wheel_rail.contact_table import (
     SLOPE,
     STIFFNESS,
 )
+from wheel_rail.one_wheelset import wheelset_contact
 from wheel_rail.recovery import CONDITION
 
 RADIUS_M, LOAD_N = 0.46, 68_670.0
@@ -60,16 +61,12 @@ def penetration(contact: Contact, y_m: float, height_m: float, roll_rad: float) 
     """How deep left and right wheel stand in straight level rails, by the compiled contact."""
     frame = np.zeros(14)
     frame[[3, 7, 11]] = 1.0
-    depths = []
-    for side in (1, -1):
-        report = np.zeros(REPORT)
-        wheel_contact(
-            side, np.array([0.0, y_m, height_m]), np.array([0.0, math.cos(roll_rad), math.sin(roll_rad)]),
-            np.array([20.0, 0.0, 0.0]), np.zeros(3), 20.0 / RADIUS_M, frame, contact.constants,
-            np.full(CONDITION, 0.1), 0.0, 0.0, np.zeros(7), np.zeros(7), report,
-        )  # fmt: skip
-        depths.append(report[PENETRATION])
-    return depths
+    axle = [0.0, math.cos(roll_rad), math.sin(roll_rad)]
+    condition = np.full(CONDITION, 0.1)
+    _, _, report = wheelset_contact(
+        [0.0, y_m, height_m], axle, [20.0, 0.0, 0.0], np.zeros(3), 20.0 / RADIUS_M, frame, contact.constants, condition
+    )
+    return list(report[:, PENETRATION])
 
 
 def test_a_wheelset_let_down_just_touches_on_both_sides(profiles: Contact, geometry: ContactGeometry) -> None:
