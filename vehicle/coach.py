@@ -250,6 +250,7 @@ class _Run:
         a = mbs.systemData.GetODE2Coordinates_tt(copy=False)
         coach = record[0]
         coach["solver_at"] = [address_of(array) for array in (q, v, a, force)]
+        coach["jacobian_at"] = address_of(jacobian)
         coach["track_at"], coach["track_nodes"] = address_of(track), len(track)
         address = address_of(record)
         state = CoachState(q, v, record)

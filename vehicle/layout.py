@@ -72,6 +72,7 @@ COACH = np.dtype(
         ("track_origin_m", "f8"),
         # where the arrays of a run stand: q, v, accelerations and forces of the solver, track and rail
         ("solver_at", "i8", (4,)),
+        ("jacobian_at", "i8"),  # the Jacobian in force
         ("track_at", "i8"),
         ("track_nodes", "i8"),
         # table of the rails' irregularities, its nodes (0 on smooth rails), their first place and spacing
@@ -99,6 +100,7 @@ COACH = np.dtype(
         ("algorithmic", "f8", (MOST_COORDINATES,)),  # accelerations of the generalised-alpha method
         ("ahead_q", "f8", (MOST_COORDINATES,)),  # the predictor
         ("ahead_v", "f8", (MOST_COORDINATES,)),
+        ("correction", "f8", (MOST_COORDINATES,)),  # of the predictor by the solver in the last step, as acceleration
         # worked out in every evaluation
         ("rotation", "f8", (MOST_BODIES, 3, 3)),
         ("rate", "f8", (MOST_BODIES, 3)),  # angular velocity in the world
@@ -131,6 +133,7 @@ COACH = np.dtype(
         ("wheel_normal", "f8", (7, LANES)),
         ("wheel_creep", "f8", (7, LANES)),
         ("probe_rows", "f8", (6, 7)),
+        ("probe_turn", "f8", (2, MOST_COORDINATES)),
         ("offsets", "f8", (8,)),
         ("rail_frame", "f8", (4, 2, 14)),  # the track as the rail under each wheel has it; on rough rails only
     ]

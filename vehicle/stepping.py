@@ -10,7 +10,7 @@ import math
 
 from vehicle.forces import add_classes, forces_by_class
 from vehicle.layout import ACTUATION, coach_at
-from vehicle.suspension import commit_attitudes, friction_has_changed
+from vehicle.suspension import commit_attitudes, friction_has_changed, place_of
 from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_memory import remember_friction
 from wheel_rail.adhesion_state import RailTables, crush_sand, deposit, rail_of
@@ -26,6 +26,8 @@ GAMMA = 0.5 + ALPHA_F - ALPHA_M
 BETA = 0.25 * (GAMMA + 0.5) ** 2
 
 _STALE_SHARE = 0.0003
+_LARGEST_TURN = 0.02  # sine of the turn up to which the Jacobian is turned with the coach
+_NO_TURN = 1e-6
 
 FRESH, AGED, LOST = range(3)
 
@@ -65,13 +67,19 @@ def begin_step(address: int, step_s: float) -> int:
         frame = coach.frame[i]
         coach.s[i] += step_s * (v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5])
     commit_attitudes(q, coach)
+    for j in range(coach.coordinates):
+        coach.correction[j] = (q[j] - coach.ahead_q[j]) / (BETA * step_s * step_s)
     _to_predictor(q, v, a, step_s, coach)
     forces_by_class(coach.ahead_q, coach.ahead_v, coach, track, rail)
     add_classes(coach, f)
     aged = _jacobian_has_aged(step_s, coach)
     if coach.rubbing_count > 0 and friction_has_changed(coach.ahead_q, coach.ahead_v, coach):
         aged = True
-    return AGED if aged else FRESH
+    if aged:
+        return AGED
+    if coach.steps > 1:
+        _turn_jacobian(coach, f)
+    return FRESH
 
 
 @compiled
@@ -104,7 +112,7 @@ def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
     It is old when the error of a creep slope, times what the slip has moved in the step, makes a false force of 0.03 %
     of the wheel load (this decides the accuracy at the edge of sliding); when a slope times step over effective mass
     has changed by over one half; when a wheel has lifted or landed, a brake has caught or let go, a wheelset regains
-    its grip or has regained it, or the coach has turned by 2 mrad.
+    its grip or has regained it, or the coach has turned by 20 mrad (up to there see `_turn_jacobian`).
     """
     aged = False
     radius = coach.contact.radius_m
@@ -128,8 +136,50 @@ def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
     landed, lifted = (depth > 0.0) & (old_touch <= 0.0), (depth <= 0.0) & (old_touch > 0.0)
     if some(false_force | changed | landed | lifted):
         aged = True
-    turn = coach.rotation[0, 1, 0] * coach.old_heading[0] - coach.rotation[0, 0, 0] * coach.old_heading[1]
-    return aged or abs(turn) > 0.002
+    return aged or abs(_turned(coach)) > _LARGEST_TURN
+
+
+@compiled
+def _turned(coach: Record) -> float:
+    """Sine of the angle by which the coach's heading has changed since the last Jacobian."""
+    return coach.rotation[0, 1, 0] * coach.old_heading[0] - coach.rotation[0, 0, 0] * coach.old_heading[1]
+
+
+@compiled
+def _turn_jacobian(coach: Record, f: Array) -> None:
+    """Add to the forces what makes up for a Jacobian J of another heading.
+
+    The coach has turned by T about the vertical; its Jacobian is now T J T^T (turns and spins count in body axes). The
+    solver will take J d off the forces at the predictor, d being its correction of the predictor, where T J T^T d was
+    right: the difference is added with the correction of the last step, which is this one's but for a change of
+    acceleration. Without it the lateral force that leads through a curve would drag or push by its share of the turn.
+    """
+    sine = _turned(coach)
+    if abs(sine) < _NO_TURN:
+        return
+    cosine = math.sqrt(1.0 - sine * sine)
+    n = coach.coordinates
+    jacobian = array_at(coach.jacobian_at, (n, n))
+    d, back, turned = coach.correction, coach.probe_turn[0], coach.probe_turn[1]
+    for j in range(n):
+        back[j] = d[j]
+    for i in range(coach.bodies):
+        at = place_of(i)
+        back[at] = cosine * d[at] + sine * d[at + 1]
+        back[at + 1] = cosine * d[at + 1] - sine * d[at]
+    for i in range(n):
+        left_as_it_was = now = 0.0
+        for j in range(n):
+            left_as_it_was += jacobian[i, j] * d[j]
+            now += jacobian[i, j] * back[j]
+        f[i] += left_as_it_was
+        turned[i] = now
+    for i in range(coach.bodies):
+        at = place_of(i)
+        x, y = turned[at], turned[at + 1]
+        turned[at], turned[at + 1] = cosine * x - sine * y, cosine * y + sine * x
+    for j in range(n):
+        f[j] -= turned[j]
 
 
 @compiled
