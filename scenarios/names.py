@@ -75,7 +75,7 @@ def _rail_profiles() -> Mapping[str, Any]:
 
 
 def _recovery_presets() -> Mapping[str, Any]:
-    from wheel_rail.recovery import RECOVERY_PRESETS
+    from wheel_rail.recovery_parameters import RECOVERY_PRESETS
 
     return RECOVERY_PRESETS
 

@@ -27,7 +27,8 @@ from wheel_rail.contact import (
     wheel_contacts,
 )
 from wheel_rail.irregularities import displaced_frame, rail_offsets
-from wheel_rail.lanes import LANES, lanes_at, of_wheels, of_wheelsets, put_wheelsets
+from wheel_rail.lane_arrays import lanes_at, of_wheels, of_wheelsets, put_wheelsets
+from wheel_rail.lanes import LANES
 from wheel_rail.track import track_frame
 
 GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, TRACK_BRAKE, GYROSCOPIC = range(CLASSES)

@@ -16,7 +16,8 @@ from wheel_rail.adhesion_memory import remember_friction
 from wheel_rail.adhesion_state import RailTables, crush_sand, deposit, rail_of
 from wheel_rail.compiled import Array, Record, array_at, compiled
 from wheel_rail.contact import LONGITUDINAL, NORMAL, PENETRATION, SECANT, SLIDE, SLIDE_POWER, SLIDE_SPEED, TANGENT
-from wheel_rail.lanes import LANES, lanes_at, put_lanes, some
+from wheel_rail.lane_arrays import lanes_at, put_lanes
+from wheel_rail.lanes import LANES, some
 from wheel_rail.sanding import lay_sand
 
 SPECTRAL_RADIUS = 0.1

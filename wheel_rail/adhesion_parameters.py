@@ -6,7 +6,7 @@ from typing import Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from wheel_rail.adhesion_memory import FrictionMemoryParameters
-from wheel_rail.recovery import NamedRecovery
+from wheel_rail.recovery_parameters import NamedRecovery
 
 Rails = Literal["left", "right", "both"]
 

@@ -28,8 +28,9 @@ from wheel_rail.contact_table import (
     STIFFNESS,
 )
 from wheel_rail.creep_laws import POLACH
+from wheel_rail.lane_arrays import lanes_at, of_wheels, put_lanes
 from wheel_rail.lane_functions import cube_root
-from wheel_rail.lanes import LANES, Lanes, greater, lane, lanes_at, lanes_of, of_wheels, put_lanes, where
+from wheel_rail.lanes import LANES, Lanes, greater, lane, lanes_of, where
 from wheel_rail.recovery import CONDITION, DEGRADED, ENERGY, RECOVERED, TAU, adhesive_force, polach_adhesion
 
 # What `wheel_contacts` is given of each wheel, rows of lanes: place of its wheelset's centre in the world, unit vector

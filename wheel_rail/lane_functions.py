@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba.extending import intrinsic, overload
+from numba.extending import overload
 
-from wheel_rail.lanes import _BITS, _DOUBLES, LANES_TYPE, Lanes, LanesType, where
+from wheel_rail.lanes import BITS, DOUBLES, LANES_TYPE, Lanes, LanesType, intrinsic, where
 
 _SHIFT = 6755399441055744.0  # 1.5 * 2^52: added to a small number, leaves it rounded in the lowest bits
 _LN2_HIGH, _LN2_LOW = 0.6931471803691238, 1.9082149292705878e-10
@@ -20,7 +20,7 @@ _LEAST_POWER = -700.0  # exp of less is taken as that: 1e-304
 
 
 def _bits(value: int) -> Any:
-    return ir.Constant(_BITS, [value] * _BITS.count)
+    return ir.Constant(BITS, [value] * BITS.count)
 
 
 @intrinsic
@@ -28,8 +28,8 @@ def _two_to(_typing: Any, shifted: Any) -> Any:
     """2^k, where k + 1.5 * 2^52 is given."""
 
     def code(_context: Any, builder: Any, _sig: Any, args: Any) -> Any:
-        exponent = builder.shl(builder.bitcast(args[0], _BITS), _bits(52))
-        return builder.bitcast(builder.add(exponent, _bits(1023 << 52)), _DOUBLES)
+        exponent = builder.shl(builder.bitcast(args[0], BITS), _bits(52))
+        return builder.bitcast(builder.add(exponent, _bits(1023 << 52)), DOUBLES)
 
     return LANES_TYPE(shifted), code
 
@@ -39,10 +39,10 @@ def _rough_cube_root(_typing: Any, value: Any) -> Any:
     """Within 4 %: a third of the exponent, by a third of the bits; for normal numbers above 0."""
 
     def code(_context: Any, builder: Any, _sig: Any, args: Any) -> Any:
-        bits = builder.sitofp(builder.bitcast(args[0], _BITS), _DOUBLES)
-        third = builder.fmul(bits, ir.Constant(_DOUBLES, [1.0 / 3.0] * _DOUBLES.count))
-        root = builder.add(builder.fptosi(third, _BITS), _bits(0x2A9F7893782DA1CE))
-        return builder.bitcast(root, _DOUBLES)
+        bits = builder.sitofp(builder.bitcast(args[0], BITS), DOUBLES)
+        third = builder.fmul(bits, ir.Constant(DOUBLES, [1.0 / 3.0] * DOUBLES.count))
+        root = builder.add(builder.fptosi(third, BITS), _bits(0x2A9F7893782DA1CE))
+        return builder.bitcast(root, DOUBLES)
 
     return LANES_TYPE(value), code
 

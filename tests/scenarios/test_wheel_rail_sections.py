@@ -18,7 +18,7 @@ from scenarios.truth import rail_stream
 from wheel_rail import RailState
 from wheel_rail.creep_laws import FASTSIM, KALKER_LINEAR, MODIFIED_FASTSIM, POLACH, USER
 from wheel_rail.profiles import WHEEL_PROFILES
-from wheel_rail.recovery import RECOVERY_PRESETS
+from wheel_rail.recovery_parameters import RECOVERY_PRESETS
 
 BUILT_IN = "low-adhesion-stop"
 CONES = '[coach.contact]\ngeometry = "conical"\n'

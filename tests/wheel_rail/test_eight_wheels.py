@@ -20,7 +20,8 @@ from wheel_rail.contact import (
     wheel_contacts,
 )
 from wheel_rail.creep_laws import CREEP_LAWS
-from wheel_rail.lanes import LANES, lanes_at, put_lanes
+from wheel_rail.lane_arrays import lanes_at, put_lanes
+from wheel_rail.lanes import LANES
 from wheel_rail.recovery import CONDITION, ENERGY, TAU, adhesive_force, polach_adhesion
 
 SPEED_MPS = 20.0
@@ -70,8 +71,8 @@ def test_wheels_in_another_order_have_the_same_forces(law: str) -> None:
 
 @inlined
 def _five(rows: np.ndarray, at: int) -> Vector:
-    return (lanes_at(rows, 8 * at), lanes_at(rows, 8 * at + 8), lanes_at(rows, 8 * at + 16), lanes_at(rows, 8 * at + 24),
-            lanes_at(rows, 8 * at + 32))  # fmt: skip
+    first, second, third = lanes_at(rows, 8 * at), lanes_at(rows, 8 * at + 8), lanes_at(rows, 8 * at + 16)
+    return first, second, third, lanes_at(rows, 8 * at + 24), lanes_at(rows, 8 * at + 32)
 
 
 @compiled

@@ -9,22 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wheel_rail.compiled import compiled
+from wheel_rail.lane_arrays import lanes_at, of_wheels, of_wheelsets, put_lanes, put_wheelsets
 from wheel_rail.lane_functions import cube_root
-from wheel_rail.lanes import (
-    LANES,
-    every,
-    greater,
-    lane,
-    lanes_at,
-    lanes_of,
-    lesser,
-    of_wheels,
-    of_wheelsets,
-    put_lanes,
-    put_wheelsets,
-    some,
-    where,
-)
+from wheel_rail.lanes import LANES, every, greater, lane, lanes_of, lesser, some, where
 
 eights = st.lists(st.floats(-1e3, 1e3), min_size=LANES, max_size=LANES).map(np.array)
 

@@ -17,13 +17,11 @@ from wheel_rail.recovery import (
     DEGRADED,
     ENERGY,
     RECOVERED,
-    RECOVERY_PRESETS,
     TAU,
-    RecoveryParameters,
     adhesive_force,
-    load_recovery,
     share_degraded,
 )
+from wheel_rail.recovery_parameters import RECOVERY_PRESETS, RecoveryParameters, load_recovery
 
 KMH = 1.0 / 3.6
 SERVICE_BRAKE = 0.099

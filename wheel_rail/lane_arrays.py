@@ -1,0 +1,101 @@
+"""Lanes (`wheel_rail.lanes`) from arrays, and back.
+
+Arrays are contiguous, of any shape, and counted through; nothing is checked. With a `stride` the floats stand at
+`offset`, `offset + stride` ...: one for each wheel, or one for each wheelset.
+"""
+
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+
+from wheel_rail.lanes import DOUBLES, LANES, LANES_TYPE, intrinsic
+
+_UNALIGNED = 8  # what arrays of doubles promise
+
+
+def _place(context: Any, builder: Any, kind: Any, array: Any, offset: Any) -> Any:
+    """Pointer to the float so many floats behind the begin of an array."""
+    return builder.gep(context.make_array(kind)(context, builder, array).data, [offset])
+
+
+@intrinsic
+def lanes_at(_typing: Any, array: Any, offset: Any) -> Any:
+    """The eight floats from `offset` on."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place = _place(context, builder, sig.args[0], *args)
+        return builder.load(builder.bitcast(place, DOUBLES.as_pointer()), align=_UNALIGNED)
+
+    return LANES_TYPE(array, types.intp), code
+
+
+@intrinsic
+def put_lanes(_typing: Any, array: Any, offset: Any, value: Any) -> Any:
+    """Write eight floats from `offset` on."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place = _place(context, builder, sig.args[0], args[0], args[1])
+        builder.store(args[2], builder.bitcast(place, DOUBLES.as_pointer()), align=_UNALIGNED)
+        return context.get_dummy_value()
+
+    return types.none(array, types.intp, LANES_TYPE), code
+
+
+def _strided(context: Any, builder: Any, sig: Any, args: Any, count: int) -> list[Any]:
+    array, offset, stride = args
+    return [
+        builder.load(
+            _place(context, builder, sig.args[0], array, builder.add(offset, builder.mul(stride, stride.type(k))))
+        )
+        for k in range(count)
+    ]
+
+
+@intrinsic
+def of_wheels(_typing: Any, array: Any, offset: Any, stride: Any) -> Any:
+    """One float for each wheel."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        vector = ir.Constant(DOUBLES, ir.Undefined)
+        for k, value in enumerate(_strided(context, builder, sig, args, LANES)):
+            vector = builder.insert_element(vector, value, ir.IntType(32)(k))
+        return vector
+
+    return LANES_TYPE(array, types.intp, types.intp), code
+
+
+@intrinsic
+def of_wheelsets(_typing: Any, array: Any, offset: Any, stride: Any) -> Any:
+    """One float for each wheelset, in the lanes of its left and its right wheel."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        four = ir.Constant(ir.VectorType(ir.DoubleType(), LANES // 2), ir.Undefined)
+        for k, value in enumerate(_strided(context, builder, sig, args, LANES // 2)):
+            four = builder.insert_element(four, value, ir.IntType(32)(k))
+        twice = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [k // 2 for k in range(LANES)])
+        return builder.shuffle_vector(four, four, twice)
+
+    return LANES_TYPE(array, types.intp, types.intp), code
+
+
+@intrinsic
+def put_wheelsets(_typing: Any, array: Any, offset: Any, stride: Any, value: Any) -> Any:
+    """Write one float for each wheelset, the sum of its two wheels' lanes."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        array, offset, stride, value = args
+        index = ir.VectorType(ir.IntType(32), LANES // 2)
+        left, right = ([2 * k + side for k in range(LANES // 2)] for side in range(2))
+        total = builder.fadd(
+            builder.shuffle_vector(value, value, ir.Constant(index, left)),
+            builder.shuffle_vector(value, value, ir.Constant(index, right)),
+        )
+        for k in range(LANES // 2):
+            at = builder.add(offset, builder.mul(stride, stride.type(k)))
+            builder.store(
+                builder.extract_element(total, ir.IntType(32)(k)), _place(context, builder, sig.args[0], array, at)
+            )
+        return context.get_dummy_value()
+
+    return types.none(array, types.intp, types.intp, LANES_TYPE), code
