@@ -9,7 +9,8 @@ Conventions
     "sound" and "printed" name the right form of an equation and the one that its source prints.
 """
 
-from estimators.ins_odo import InsOdo, InsOdoParameters
+from estimators.ins_odo import InsOdo
+from estimators.ins_odo_parameters import InsOdoParameters
 from estimators.interface import Estimate, EstimateStream, Estimator, Initial, Sample
 from estimators.onboard import samples
 from estimators.orientation import Orientation

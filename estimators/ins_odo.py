@@ -10,22 +10,21 @@ what a filter that follows the wheel shall compare the wheel with, and how trust
 - trust returns after agreement over `confirmation_s`. While the accelerometer shows brake force, a wheel may be faster
   than the inertial speed but not slower by more than half of eta_v, since a braked rim never outruns the train; in
   traction the other way round. A wheel without force rolls: then it is believed even against the inertial acceleration,
-  and the difference goes into the pitch's variance;
+  and the difference goes into the pitch's variance. On very slippery rail a braked coach feels as little force, so the
+  speed has to be one that inertial errors can explain: no coach loses it unfelt (`_may_roll`);
 - all wheels at zero without inertial acceleration for `standstill_s`, at a speed that may be zero, is a standstill.
 """
 
 import dataclasses
 import math
 from collections import deque
-from typing import Literal
-
-from pydantic import BaseModel, ConfigDict, Field
 
 from estimators.confirmation import Confirmation
+from estimators.ins_odo_parameters import InsOdoParameters
 from estimators.interface import Estimate, Initial, Sample
 from estimators.odometry_filter import A, OdometryFilter, P, V
 from estimators.onboard import believed_rotation
-from estimators.orientation_filter import GRAVITY_MPS2, OrientationFilter, OrientationParameters
+from estimators.orientation_filter import GRAVITY_MPS2, OrientationFilter
 from estimators.wheel_window import WheelWindow, WindowReading
 from sensors.streams import FloatArray
 
@@ -36,36 +35,6 @@ _PRINTED_BALISE_WINDOW_M = 5.0
 _PARTED_SHARE = 0.25  # of eta_v: below it wheel and inertial speed differ by noise alone
 _RECOVERED_SHARE = 0.5  # of eta_v: a wheel under force has to come closer than that to be trusted again
 _GRADIENT_MPS2 = 0.5  # what gravity gives a free train on the steepest line, with room
-
-
-class InsOdoParameters(BaseModel):
-    """Tuning; the defaults suit the low-cost board of the source at 10 Hz. `orientation` is the filter inside."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    orientation: OrientationParameters = OrientationParameters()
-    adhesion_sign: Literal["sound", "printed"] = "sound"
-    balise: Literal["sound", "printed"] = "sound"
-    balise_spacing_m: float = Field(default=1000.0, gt=0.0, description="of the printed balise form alone")
-
-    acceleration_walk_mps2_per_rts: float = Field(default=0.5, gt=0.0, description="sigma_a of Q")
-    acceleration_sd_mps2: float = Field(default=0.02, gt=0.0, description="sigma_a of R while sliding")
-    acceleration_distrusted_sd_mps2: float = Field(default=0.3, gt=0.0, description="the same, adhesion good")
-    wheel_speed_sd_mps: float = Field(default=0.03, gt=0.0, description="sigma_v, adhesion good")
-    wheel_speed_distrusted_sd_mps: float = Field(default=1e4, gt=0.0)
-    balise_sd_m: float = Field(default=5.0, gt=0.0, description="sigma_p")
-
-    adhesion_acceleration_mps2: float = Field(default=0.2, gt=0.0, description="eta_ad")
-    adhesion_speed_mps: float = Field(default=0.3, gt=0.0, description="eta_v")
-    lookback_s: float = Field(default=8.0, gt=0.0, le=60.0)
-    confirmation_s: float = Field(default=1.0, ge=0.0)
-    wheel_force_mps2: float = Field(default=0.15, gt=0.0, description="f_x that shows traction or braking")
-    standstill_s: float = Field(default=2.0, gt=0.0)
-
-    # What lasts, and so counts in the bounds, beside pitch and yaw of the IMU.
-    accelerometer_sd_mps2: float = Field(default=4e-3, ge=0.0)
-    wheel_radius_sd_share: float = Field(default=0.002, ge=0.0, le=0.1)
-    bound_sigmas: float = Field(default=3.0, gt=0.0)
 
 
 @dataclasses.dataclass(slots=True)
@@ -114,6 +83,7 @@ class InsOdo:
             self._origin_m = initial.position_m
             self.odometry.kalman.x[P, 0] = 0.0
         self._rolled_mps = abs(initial.speed_mps)
+        self._inertial_s = 0.0
 
     def step(self, sample: Sample) -> Estimate:
         """One tick."""
@@ -124,8 +94,7 @@ class InsOdo:
         )
         turning = bool((sample.valid & (sample.axle_speed_mps != 0.0)).any())
         # Locked wheels on a falling line may slide without inertial acceleration: the speed has to allow for zero, too.
-        margin_mps = self.parameters.adhesion_speed_mps + _SIGMAS * self.odometry.speed_sd_mps
-        slow = abs(self.odometry.speed_mps) < margin_mps
+        slow = abs(self.odometry.speed_mps) < self._speed_margin_mps()
         still = slow and sample.valid.any() and not turning and abs(inertial_mps2) < margin_mps2
         if self._stillness.agreed(bool(still)) and not self.standstill:
             self.standstill = True
@@ -178,9 +147,10 @@ class InsOdo:
             return
         force = direction * float(tick.window.specific_force_mps2[0])
         if abs(force) < self.parameters.wheel_force_mps2:
-            agrees = abs(tick.window.wheel_acceleration_mps2) < _GRADIENT_MPS2
+            free = abs(tick.window.wheel_acceleration_mps2) < _GRADIENT_MPS2
+            agrees = free and self._may_roll(tick, difference_mps2)
         else:
-            faster_mps = direction * (tick.wheel_mps - self.odometry.speed_mps - tick.gained_mps)
+            faster_mps = direction * self._faster_mps(tick)
             agrees = abs(difference_mps2) < margin_mps2 and (
                 faster_mps * math.copysign(1.0, force) < _RECOVERED_SHARE * self.parameters.adhesion_speed_mps
             )
@@ -188,6 +158,25 @@ class InsOdo:
             self._trust()
             if abs(difference_mps2) >= margin_mps2:
                 self.orientation.doubt_pitch(difference_mps2 / GRAVITY_MPS2)
+
+    def _faster_mps(self, tick: _Tick) -> float:
+        """By how much the wheel is faster than the inertial speed."""
+        return tick.wheel_mps - self.odometry.speed_mps - tick.gained_mps
+
+    def _speed_margin_mps(self) -> float:
+        """What the speed may be off by on the filter's own account."""
+        return self.parameters.adhesion_speed_mps + _SIGMAS * self.odometry.speed_sd_mps
+
+    def _may_roll(self, tick: _Tick, difference_mps2: float) -> bool:
+        """Whether a wheel without force may be rolling at its speed: the inertial speed has to allow for it.
+
+        A pitch that is off by more than the filter thinks makes the accelerations differ, and has done so to the speed
+        for as long as no wheel was trusted. One that does not turn says nothing of the pitch: its brake may hold it.
+        """
+        margin_mps = self._speed_margin_mps()
+        if tick.wheel_mps != 0.0:
+            margin_mps += abs(difference_mps2) * self._inertial_s
+        return abs(self._faster_mps(tick)) < margin_mps
 
     def _trust(self) -> None:
         self.wheel_trusted = True
@@ -243,7 +232,9 @@ class InsOdo:
         if rolling:
             self.odometry.predict(0.0, parameters.wheel_radius_sd_share)
             self._rolled_mps = abs(self.odometry.speed_mps)
+            self._inertial_s = 0.0
         else:
+            self._inertial_s += self.period_s
             self.odometry.predict(self._lasting_sd_mps2(tick), 0.0)
         self.odometry.update(self._rows(tick))
         tick.speed_mps = self.odometry.speed_mps

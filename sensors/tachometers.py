@@ -8,9 +8,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from sensors import pulse_edges
 from sensors.readings import AxleSpeedReadings, TachometerReadings
-from sensors.streams import BoolArray, FloatArray
+from sensors.streams import BoolArray, FloatArray, Int8Array
 
-_FIRST_CAPACITY = 1 << 16
+_BLOCK = 1 << 16
 ROOM_OF_A_TICK = 1 << 13
 
 Radius = Annotated[float, Field(gt=0.2, le=1.0)]
@@ -71,9 +71,12 @@ class Tachometers:
         self.state[pulse_edges.TEETH :] = (
             parameters.pitch_error_share * rng.standard_normal((n, 4)) + parameters.eccentricity_share * wave
         )
-        self.edges = np.empty((_FIRST_CAPACITY, 2))
+        self.edges = np.empty((_BLOCK, 2))
         self.count = 0
-        """The first `count` rows of `edges` are those so far: time, wheelset 1..4 with the sign of the direction."""
+        """The first `count` rows of `edges` are the latest: time, wheelset 1..4 with the sign of the direction."""
+        self.before = 0
+        """How many edges came before those."""
+        self._past: list[tuple[FloatArray, Int8Array]] = []
         self._now_s = -math.inf
         self.axle_speed_mps: FloatArray = self.state[pulse_edges.SPEED]
 
@@ -83,13 +86,17 @@ class Tachometers:
         valid: BoolArray = self.state[pulse_edges.VALID] > 0.0
         return valid
 
-    def make_room(self, ticks: int = 1) -> bool:
-        """Let `edges` have room for so many ticks; whether it is a new array."""
-        if self.count + ticks * ROOM_OF_A_TICK <= len(self.edges):
-            return False
-        self.edges = np.concatenate([self.edges, np.empty_like(self.edges)])
-        self.make_room(ticks)
-        return True
+    def make_room(self) -> None:
+        """Let `edges` have room for a tick: a full block is put away, in a smaller form, and begun anew."""
+        if self.count + ROOM_OF_A_TICK > len(self.edges):
+            self._past.append(self._latest())
+            self.before += self.count
+            self.count = 0
+
+    def _latest(self) -> tuple[FloatArray, Int8Array]:
+        """Times, and wheelsets with the sign of the direction, of the block."""
+        edges = self.edges[: self.count]
+        return edges[:, 0].copy(), edges[:, 1].astype(np.int8)
 
     def advance(self, t_s: float, angle_rad: FloatArray, angular_speed_radps: FloatArray) -> None:
         """Go on to time t_s with the wheels' angles (4,) and angular speeds (4,), positive rolling forward.
@@ -128,8 +135,18 @@ class Tachometers:
 
     def readings(self) -> TachometerReadings:
         """All edges so far, in the order of time."""
-        edges = self.edges[np.argsort(self.edges[: self.count, 0], kind="stable")]
-        return TachometerReadings(t_s=edges[:, 0], wheelset=np.abs(edges[:, 1]), direction=np.sign(edges[:, 1]))
+        count = self.before + self.count
+        t_s, signed = np.empty(count), np.empty(count, np.int8)
+        blocks = [self._latest(), *reversed(self._past)]
+        self._past = [(t_s[: self.before], signed[: self.before])]
+        begin = 0
+        while blocks:  # of millions of edges there is one copy: each block goes as it is taken
+            times, marks = blocks.pop()
+            order = np.argsort(times, kind="stable")  # a block holds whole ticks, and no edge leaves its tick
+            end = begin + len(times)
+            t_s[begin:end], signed[begin:end] = times[order], marks[order]
+            begin = end
+        return TachometerReadings(t_s=t_s, wheelset=np.abs(signed), direction=np.sign(signed))
 
 
 def axle_speeds(

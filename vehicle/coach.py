@@ -56,7 +56,7 @@ class Actuation:
 
 
 class CoachState:
-    """The coach at the instant of a callback; arrays are views that change from step to step.
+    """The coach at the instant of a callback; arrays are views that change from step to step and end with the run.
 
     `addresses`: of the coach's record and of the one in which `vehicle.observation.observe` works, for compiled code.
     """
@@ -162,6 +162,10 @@ class Coach:
         finally:
             if collecting:
                 gc.enable()
+            # they know the system and it knows them, where no collector looks: all of the run would stay for ever
+            mbs.SetPreStepUserFunction(0)
+            if newton:
+                mbs.SetPreNewtonResidualUserFunction(0)
         run.raise_what_happened(bool(reached))
         return SolveReport(
             simulated_s=run.steps * step_s,

@@ -52,8 +52,8 @@ class Readouts:
     def follow(self, t_s: float, view: View) -> None:
         """Take note of a tick."""
         tachometers = view.tachometers
-        note_pulses(tachometers.edges, self._pulses_seen, tachometers.count, self._pulses)
-        self._pulses_seen = tachometers.count
+        note_pulses(tachometers.edges, self._pulses_seen - tachometers.before, tachometers.count, self._pulses)
+        self._pulses_seen = tachometers.before + tachometers.count
         if self._ticks == 0:
             self._pulses[0] = 0.0  # the pulses put in for the time before the start
         # one row at the first tick, then as many as there are from one reading to the next

@@ -181,6 +181,7 @@ class Loop:
         numbers, tachometers = self._numbers, self.tachometers
         tachometers.count = int(numbers["edge_count"])
         tachometers.make_room()
+        numbers["edge_count"] = tachometers.count
         numbers["edges_at"], numbers["edges_room"] = address_of(tachometers.edges), len(tachometers.edges)
         if self._ticks == len(self._seen):
             self._seen = np.concatenate([self._seen, np.zeros_like(self._seen)])
@@ -274,12 +275,13 @@ class Loop:
         self.tachometers.count = int(self._numbers["edge_count"])
         recorder.rows = int(self._numbers["row"])
         seen = self._seen[: self._ticks]
+        motion, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact)
         return Truth(
-            motion=recorder.motion_stream(line.track),
-            wheelsets=recorder.wheelset_stream(line.contact),
+            motion=motion,
+            wheelsets=wheelsets,
             rail=rail_stream(line.state.table),
             rail_before=rail_stream(self._rail_before),
-            brake=recorder.brake_stream(),
+            brake=recorder.brake(motion.t_s),
             tachometer=self.tachometers.readings(),
             axle_speeds=AxleSpeedReadings(
                 t_s=TICK_S * np.arange(len(seen), dtype=np.float64),

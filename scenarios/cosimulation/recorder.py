@@ -1,12 +1,13 @@
 """Records the co-simulation at its own period into rows that grow, and makes the streams of truth from them."""
 
-from collections.abc import Sequence
-from functools import cached_property
+from collections.abc import Iterator
+from mmap import mmap
 
 import numpy as np
 
 from scenarios.cosimulation.core import BRAKE_ROW
 from scenarios.truth import BrakeStream, MotionStream, WheelsetStream
+from sensors.streams import quantities
 from vehicle import OBSERVATION, POWERS
 from wheel_rail import Contact, Track
 from wheel_rail.compiled import Array, Vector, compiled
@@ -14,6 +15,13 @@ from wheel_rail.recovery import offered_adhesion
 
 _BLOCK = 4096
 _STILL_MPS = 0.1  # below this slip has no meaning and is recorded as zero
+
+_OF_MOTION = ("t_s", "position_m", "speed_mps", "acceleration_mps2", "roll_rad", "pitch_rad", "yaw_rad",
+              "specific_force_mps2", "angular_rate_radps", "angular_acceleration_radps2", "kinetic_energy_j",
+              "momentum_ns", "external_force_n")  # fmt: skip
+_OF_WHEELSETS = ("t_s", "rim_speed_mps", "wheel_angle_rad", "lateral_displacement_m", "normal_force_n",
+                 "longitudinal_force_n", "lateral_force_n", "brake_torque_nm", "drive_torque_nm",
+                 "friction_power_w")  # fmt: skip
 
 
 class Recorder:
@@ -49,86 +57,85 @@ class Recorder:
         """Rows before those of the block."""
         return self._before
 
-    def _rows_of(self, kind: int) -> np.ndarray:
-        """All rows in one array; the blocks go, as a long run would be there twice."""
-        whole = np.concatenate([*self._full[kind], self.block[kind][: self.rows]])
-        self._full[kind].clear()
-        return whole
+    def _taken(self, kind: int) -> Iterator[tuple[slice, np.ndarray]]:
+        """Block after block, and which rows of the whole it is. Each goes once it is used: a long run would be there
+        twice."""
+        blocks = self._full[kind]
+        blocks.append(self.block[kind][: self.rows])
+        blocks.reverse()
+        begin = 0
+        while blocks:
+            block = blocks.pop()
+            yield slice(begin, begin + len(block)), block
+            begin += len(block)
 
-    @cached_property
-    def _motion_rows(self) -> np.ndarray:
-        return self._rows_of(0)
+    def brake(self, t_s: np.ndarray) -> BrakeStream:
+        """Brake, valves and what the WSP sees, at the times of the motion."""
+        columns = {
+            name: np.empty((len(t_s), *BRAKE_ROW[name].shape), what.dtype)
+            for name, what in quantities(BrakeStream).items()
+            if name != "t_s"
+        }
+        for rows, block in self._taken(1):
+            for name, values in columns.items():
+                values[rows] = block[name]
+        return BrakeStream(t_s=t_s, **columns)
 
-    def brake_stream(self) -> BrakeStream:
-        """Brake, valves and what the WSP sees."""
-        rows = self._rows_of(1)
-        whole = ("valve", "valve_command", "sand_command", "track_brake_command", "safety_timer_fired")
-        return BrakeStream(
-            t_s=self._motion_rows["t_s"].copy(),
-            valve=rows["valve"].astype(np.int8),
-            valve_command=rows["valve_command"].astype(np.int8),
-            sand_command=rows["sand_command"].astype(np.int8),
-            track_brake_command=rows["track_brake_command"].astype(np.int8),
-            safety_timer_fired=rows["safety_timer_fired"].astype(np.int8),
-            **_fields(rows, [name for name in BRAKE_ROW.names or () if name not in whole]),
-        )
-
-    def motion_stream(self, track: Track) -> MotionStream:
-        """The carbody's motion, and the track where it is."""
-        rows = self._motion_rows
-        position = rows["position_m"]
-        copied = ("t_s", "position_m", "speed_mps", "acceleration_mps2", "roll_rad", "pitch_rad", "yaw_rad",
-                  "specific_force_mps2", "angular_rate_radps", "angular_acceleration_radps2", "kinetic_energy_j",
-                  "momentum_ns", "external_force_n")  # fmt: skip
-        return MotionStream(
-            **_fields(rows, copied),
-            gradient_permille=track.gradient_permille(position),
-            curvature_radpm=track.curvature_radpm(position),
-            cant_mm=track.cant_mm(position),
-            **{f"power_{name}_w": rows["power_w"][:, k].copy() for k, name in enumerate(POWERS)},
-        )
-
-    def wheelset_stream(self, contact: Contact) -> WheelsetStream:
-        """Wheelsets; `contact` for the peak adhesion on offer, a centred wheel's."""
-        rows = self._motion_rows
-        speed = rows["wheelset_speed_mps"].copy()
-        moving = np.abs(speed) > _STILL_MPS
-        slip = np.where(moving, (speed - rows["rim_speed_mps"]) / np.where(moving, speed, 1.0), 0.0)
+    def motion_and_wheelsets(self, track: Track, contact: Contact) -> tuple[MotionStream, WheelsetStream]:
+        """The carbody's motion with the track where it is, and the wheelsets; `contact` for the peak adhesion on offer,
+        a centred wheel's."""
+        count = self._before + self.rows
+        columns = {
+            name: np.empty((count, *OBSERVATION[name].shape))
+            for name in OBSERVATION.names or ()
+            if name != "rail_condition"  # half of a row, and of use only here
+        }
+        speed, normal = columns["wheelset_speed_mps"], columns["normal_force_n"]
         offered, at_slip = np.empty_like(speed), np.empty_like(speed)
         law = contact.law
-        for first in range(0, len(rows), _BLOCK):
-            some = slice(first, first + _BLOCK)
+        for rows, block in self._taken(0):
+            for name, values in columns.items():
+                values[rows] = block[name]
             _offered_adhesion(
-                speed[some],
-                rows["normal_force_n"][some],
-                np.ascontiguousarray(rows["rail_condition"][some]),
+                speed[rows],
+                normal[rows],
+                np.ascontiguousarray(block["rail_condition"]),
                 (law.number, law.address),
                 law.extra,
                 tuple(contact.patch),
                 contact.load_n,
                 contact.parameters.shear_modulus_pa,
-                offered[some],
-                at_slip[some],
+                offered[rows],
+                at_slip[rows],
             )
-        copied = ("t_s", "rim_speed_mps", "wheel_angle_rad", "lateral_displacement_m", "normal_force_n",
-                  "longitudinal_force_n", "lateral_force_n", "brake_torque_nm", "drive_torque_nm",
-                  "friction_power_w")  # fmt: skip
-        return WheelsetStream(
-            **_fields(rows, copied),
-            position_m=rows["wheelset_position_m"].copy(),
+        position, power = columns["position_m"], columns["power_w"]
+        motion = MotionStream(
+            **{name: columns[name] for name in _OF_MOTION},
+            gradient_permille=track.gradient_permille(position),
+            curvature_radpm=track.curvature_radpm(position),
+            cant_mm=track.cant_mm(position),
+            **{f"power_{name}_w": power[:, k] for k, name in enumerate(POWERS)},
+        )
+        moving = np.abs(speed) > _STILL_MPS
+        slip = np.where(moving, (speed - columns["rim_speed_mps"]) / np.where(moving, speed, 1.0), 0.0)
+        wheelsets = WheelsetStream(
+            **{name: columns[name] for name in _OF_WHEELSETS},
+            position_m=columns["wheelset_position_m"],
             speed_mps=speed,
             slip=slip,
             peak_adhesion=offered,
             peak_slip=at_slip,
         )
+        return motion, wheelsets
 
 
 def _new_block() -> tuple[np.ndarray, np.ndarray]:
-    return np.zeros(_BLOCK, OBSERVATION), np.zeros(_BLOCK, BRAKE_ROW)
+    return _own_pages(OBSERVATION), _own_pages(BRAKE_ROW)
 
 
-def _fields(rows: np.ndarray, names: Sequence[str]) -> dict[str, np.ndarray]:
-    return {name: np.ascontiguousarray(rows[name]) for name in names}
+def _own_pages(dtype: np.dtype) -> np.ndarray:
+    """Rows of zeros in pages of their own, which the system has back with the block; the allocator would keep them."""
+    return np.frombuffer(mmap(-1, _BLOCK * dtype.itemsize), dtype)
 
 
 @compiled

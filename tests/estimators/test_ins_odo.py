@@ -165,6 +165,18 @@ def test_locked_wheels_that_slide_downhill_evenly_are_no_standstill() -> None:
     assert np.max(np.abs(error)) < 0.6
 
 
+@pytest.mark.parametrize(("slip", "slope_permille"), [(1.0, 0.0), (1.0, 10.0), (0.4, 10.0)])
+def test_wheels_that_slide_almost_without_force_are_not_believed(slip: float, slope_permille: float) -> None:
+    """Adhesion of 0.012: the IMU feels as little as of a coach that rolls freely."""
+    own = lambda t: -0.118 if t > 30.0 else 0.0  # noqa: E731
+    slope = ramp(200.0, 100.0, slope_permille)
+    run = observe(drive(70.0, 30.0, own, gradient_permille=slope), slip=alike(31.0, slip, 0.0), imu=preset_imu())
+    estimator = ins_odo()
+    error = speed_error(run, run.estimate(estimator))
+    assert not estimator.wheel_trusted
+    assert np.max(np.abs(error)) < 0.8
+
+
 def test_starting_from_a_standstill_follows_the_wheels() -> None:
     run = observe(drive(40.0, 0.0, lambda t: 0.5 if t > 10.0 else 0.0), imu=preset_imu())
     error = speed_error(run, run.estimate(ins_odo()))

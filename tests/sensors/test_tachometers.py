@@ -1,6 +1,7 @@
 """Tachometers: edges against the wheel's angle, speeds against their resolution, in the loop and afterwards."""
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -70,6 +71,35 @@ def test_edges_lie_where_the_angle_passes_a_tooth() -> None:
     late = edges.t_s > 0.0
     # The Hermite cubic misses the sine by h^4/384 of its fourth derivative: far below a thousandth of a pitch.
     assert np.max(np.abs(at_edge - np.round(at_edge))[late]) < 1e-4
+
+
+def test_a_long_run_has_its_edges_once_in_some_bytes_each() -> None:
+    """A time and a byte for wheelset and direction, twice for a moment. Six blocks of them."""
+    tick_s = 0.01 * np.arange(101)
+    omega = np.array([150.0, -150.0, 140.0, -130.0])
+    tachometers = Tachometers(TachometerParameters(pulses_per_revolution=4096), np.random.default_rng(3))
+    tracemalloc.start()
+    try:
+        for t in tick_s:
+            tachometers.advance(float(t), omega * t, omega)
+        held, _ = tracemalloc.get_traced_memory()
+        edges = tachometers.readings()
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    count = len(edges)
+    print(f"{count} edges: {held / count:.1f} bytes each in the run, {peak / count:.1f} at the peak")
+    assert count == pytest.approx(570.0 * 4096 / (2.0 * math.pi), rel=0.02)
+    assert held < 10.0 * count
+    assert peak < 24.0 * count
+    assert np.all(np.diff(edges.t_s) >= 0.0)
+    for wheelset, speed in enumerate(omega, start=1):
+        mine = edges.rows(edges.wheelset == wheelset)
+        assert np.all(mine.direction == np.sign(speed))
+        assert len(mine) == pytest.approx(abs(speed) * 4096 / (2.0 * math.pi), abs=3.0)
+    again = tachometers.readings()
+    np.testing.assert_array_equal(again.t_s, edges.t_s)
+    np.testing.assert_array_equal(again.wheelset, edges.wheelset)
 
 
 def test_one_pulse_each_208_ms_at_half_a_kmh() -> None:

@@ -1,5 +1,8 @@
 """Whole runs of the coach against closed forms and balances."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 
@@ -179,3 +182,17 @@ def test_a_state_that_blows_up_is_reported_with_time_and_place(make_bench: MakeB
     bench = make_bench()
     with pytest.raises(SolverFailure, match=r"t = .* s = .* m, with a step of 5 ms"):
         bench.run(duration_s=5.0, speed_mps=10.0, drive=lambda t: float("nan") if t > 1.0 else 0.0)
+
+
+@pytest.mark.parametrize("newton", [False, True])
+def test_what_a_callback_knows_goes_with_the_run(make_bench: MakeBench, newton: bool) -> None:
+    bench = make_bench()
+
+    def rolling(_t: float) -> float:
+        return 0.0
+
+    callback = weakref.ref(rolling)
+    bench.run(duration_s=0.05, speed_mps=10.0, drive=rolling, newton=newton)
+    del rolling
+    gc.collect()
+    assert callback() is None

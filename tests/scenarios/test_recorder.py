@@ -1,0 +1,93 @@
+"""The recorder: what was written comes out, over the borders of its blocks, and a long run is in memory once."""
+
+import tracemalloc
+import weakref
+
+import numpy as np
+import pytest
+
+from scenarios.cosimulation.core import BRAKE_ROW
+from scenarios.cosimulation.line import Line
+from scenarios.cosimulation.recorder import Recorder
+from scenarios.scenario_file import load_scenario
+from sensors.streams import Stream, quantities
+from vehicle import OBSERVATION
+
+ROWS_OF_A_TICK = 2
+ROWS = 30_000
+ROW_BYTES = OBSERVATION.itemsize + BRAKE_ROW.itemsize
+
+
+def written() -> tuple[np.ndarray, np.ndarray]:
+    """Rows in which every number says where it stands, except that the coach weighs nothing: no peak is looked for."""
+    row = np.arange(float(ROWS))
+    motion, brake = np.zeros(ROWS, OBSERVATION), np.zeros(ROWS, BRAKE_ROW)
+    for rows in (motion, brake):
+        for k, name in enumerate(rows.dtype.names or ()):
+            width = int(np.prod(rows.dtype[name].shape))
+            rows[name] = (row[:, None] + 0.01 * k + 1e-4 * np.arange(width)).reshape(rows[name].shape)
+    for name in ("valve", "valve_command", "sand_command", "track_brake_command", "safety_timer_fired"):
+        brake[name] = np.round(brake[name]) % 3
+    motion["normal_force_n"] = motion["rail_condition"] = 0.0
+    return motion, brake
+
+
+def recorded(motion: np.ndarray, brake: np.ndarray) -> tuple[Recorder, list["weakref.ref[np.ndarray]"]]:
+    """A recorder that was filled as the loop fills it, and its blocks."""
+    recorder = Recorder()
+    blocks = list(map(weakref.ref, recorder.block))
+    at = 0
+    for first in range(0, ROWS, ROWS_OF_A_TICK):
+        at = recorder.make_room(at, ROWS_OF_A_TICK)
+        if at == 0 and first > 0:
+            blocks += map(weakref.ref, recorder.block)
+        for block, rows in zip(recorder.block, (motion, brake), strict=True):
+            block[at : at + ROWS_OF_A_TICK] = rows[first : first + ROWS_OF_A_TICK]
+        at += ROWS_OF_A_TICK
+    recorder.rows = at
+    return recorder, blocks
+
+
+def held_bytes(*streams: Stream) -> int:
+    return sum(getattr(stream, name).nbytes for stream in streams for name in quantities(type(stream)))
+
+
+@pytest.fixture(scope="module")
+def line() -> Line:
+    return Line(load_scenario("low-adhesion-stop", ()))
+
+
+def test_every_row_comes_out_where_it_was_written(line: Line) -> None:
+    rows, brake_rows = written()
+    recorder, _ = recorded(rows, brake_rows)
+    motion, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact)
+    brake = recorder.brake(motion.t_s)
+    for name in ("t_s", "position_m", "yaw_rad", "specific_force_mps2", "momentum_ns"):
+        np.testing.assert_array_equal(getattr(motion, name), rows[name])
+    np.testing.assert_array_equal(motion.power_creep_w, rows["power_w"][:, 3])
+    np.testing.assert_array_equal(motion.gradient_permille, line.track.gradient_permille(rows["position_m"]))
+    np.testing.assert_array_equal(wheelsets.position_m, rows["wheelset_position_m"])
+    np.testing.assert_array_equal(wheelsets.longitudinal_force_n, rows["longitudinal_force_n"])
+    speed = rows["wheelset_speed_mps"]
+    np.testing.assert_allclose(wheelsets.slip[1:] * speed[1:], (speed - rows["rim_speed_mps"])[1:], rtol=1e-9)
+    for name in quantities(type(brake)):
+        np.testing.assert_array_equal(getattr(brake, name), rows["t_s"] if name == "t_s" else brake_rows[name])
+
+
+def test_a_run_is_not_in_memory_twice(line: Line) -> None:
+    """Beside its rows there are the streams and not much more, and no block outlives them."""
+    recorder, blocks = recorded(*written())
+    line.track.gradient_permille(np.zeros(1))
+    tracemalloc.start()
+    try:
+        motion, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact)
+        brake = recorder.brake(motion.t_s)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    streams = held_bytes(motion, wheelsets, brake)
+    print(f"{streams / ROWS:.0f} bytes a row in streams, {peak / ROWS:.0f} at the peak, {ROW_BYTES} recorded")
+    assert peak < 1.2 * streams
+    last = 2  # the recorder's own, of motion and brake
+    assert len(blocks) > 10
+    assert all(block() is None for block in blocks[:-last])
