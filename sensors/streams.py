@@ -89,7 +89,7 @@ class Stream:
                 rows, first = len(values), name
             elif len(values) != rows:
                 raise StreamError(f"{type(self).__name__}.{name}: {len(values)} rows, but {first} has {rows}")
-            if name == "t_s" and not (np.all(np.isfinite(values)) and np.all(np.diff(values) >= 0.0)):
+            if name == "t_s" and not (np.all(np.isfinite(values)) and np.all(values[1:] >= values[:-1])):
                 raise StreamError(f"{type(self).__name__}.t_s: times must be finite and must never fall")
             object.__setattr__(self, name, values)
 
