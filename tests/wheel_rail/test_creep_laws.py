@@ -145,7 +145,7 @@ def test_small_creep_gives_kalkers_linear_forces(name: str, ratio: float) -> Non
 @EVERY
 @settings(max_examples=60, deadline=None)
 @given(st.floats(1e-6, 0.1), st.floats(0.0, 2.0 * math.pi), st.sampled_from([0.0, 0.05, -1.0]), surfaces)
-# on a coarse grid: stress that turns over amid a cell; sliding that begins where a cell does; strips that follow the pole
+# on a coarse grid: stress turns over amid a cell; sliding begins where a cell does; strips follow the pole of the slip
 @example(1e-6, 5.0, -1.0, "very-low")
 @example(3.4e-5, 4.518, -1.0, "dry")
 @example(5.5e-6, 6.271, -1.0, "wet")
