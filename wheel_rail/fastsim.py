@@ -82,7 +82,8 @@ def _elastic_bed(
     Strips at y = b sin(theta), theta at the middle of `ny` equal parts of (-pi/2, pi/2) without spin; spin crowds them
     where the slip turns about its pole (`_crowding`). In units of the bound at the middle of a strip and of its half
     length all strips have one bound, and differ in growth alone. The sums carry the known errors of the strips, so that
-    full sliding gives mu N and full adhesion Kalker's linear forces on any grid. The tangent is taken on fixed strips.
+    full sliding gives mu N and full adhesion Kalker's linear forces on any grid. The tangent is that of these sums: the
+    strips move with the pole.
     """
     a, b = patch[0], patch[1]
     total = total_creep(creep_x, creep_y, spin_1pm, a)
@@ -91,8 +92,9 @@ def _elastic_bed(
         return 0.0, 0.0, slope, slope
     along_x, along_y = slip_direction(creep_x, creep_y)
     turn = math.pi / ny
-    # integral of cos^3 theta over its sum, where the strips do not crowd
-    strips = 4.0 / 3.0 / (0.25 * turn * (3.0 / math.sin(0.5 * turn) - 1.0 / math.sin(1.5 * turn)))
+    # integral of cos^3 theta over its sum, where the strips do not crowd; sin 3 x = sin x (3 - 4 sin^2 x)
+    half_sine = math.sin(0.5 * turn)
+    strips = 16.0 / 3.0 * half_sine / (turn * (3.0 - 1.0 / (3.0 - 4.0 * half_sine * half_sine)))
     # growth of the stress over one cell of a strip of half length a, in units of the bound at the patch's centre
     peak = 2.0 * limit_n / (math.pi * a * b)
     cell = 2.0 / nx * a / peak
@@ -104,60 +106,105 @@ def _elastic_bed(
     rate_y = k * per_y * along_y + k_rate * per_y * creep_y
     rate_s = k_rate * per_spin
     middle, reach, mean, stride = 0.0, math.inf, 0.0, turn
+    middle_rate = reach_rate = mean_rate = stride_rate = 0.0
     if grow_s != 0.0:
         # the length of the strips and their elasticity spread the turn over y; half of each was found to serve best
-        middle, reach, mean, stride = _crowding(ny, grow_x / (grow_s * b), 0.5 * a / b + 1.0 / (nx * abs(grow_s) * b))
+        pole = grow_x / (grow_s * b)
+        middle, reach, mean, stride, middle_rate, reach_rate, mean_rate, stride_rate = _crowding(
+            ny, pole, 0.5 * a / b + 1.0 / (nx * abs(grow_s) * b), (rate_x - pole * b * rate_s) / (grow_s * b)
+        )
     crowds = reach < 1e5  # beyond, nothing is left of it but rounding
     if not crowds:
         mean, stride = 0.0, turn
-    sum_x = sum_y = sum_rate_x = sum_rate_y = sum_bound = 0.0
+    sum_x = sum_y = sum_rate = sum_bound = sum_bound_rate = 0.0
+    # sinh and cosh of the mean, of one stride and of a strip's place, by their addition theorems
+    place = 0.5 * (ny % 2) - 0.5
+    sinh_mean = sinh_stride = sinh_place = 0.0
+    cosh_mean = cosh_stride = cosh_place = 1.0
+    if crowds:
+        sinh_mean, half = math.sinh(mean), math.sinh(0.5 * stride)
+        cosh_mean, cosh_half = math.sqrt(1.0 + sinh_mean * sinh_mean), math.sqrt(1.0 + half * half)
+        sinh_stride, cosh_stride = 2.0 * half * cosh_half, 1.0 + 2.0 * half * half
+        if ny % 2 == 0:
+            sinh_place, cosh_place = -half, cosh_half
     for j in range(ny):
-        # counted from the middle, so that a patch that is symmetric has no trace of rounding to one side
-        v, share = mean + (j - 0.5 * (ny - 1)) * stride, stride
-        theta = v
+        # in pairs from the middle, so that a patch that is symmetric has no trace of rounding to one side
+        if j > 0:
+            place, sinh_place = -place, -sinh_place
+            if (j + ny) % 2 == 0:
+                place -= 1.0
+                sinh_place, cosh_place = (
+                    sinh_place * cosh_stride - cosh_place * sinh_stride,
+                    cosh_place * cosh_stride - sinh_place * sinh_stride,
+                )
+        share = stride
+        theta, theta_rate, share_rate = place * stride, 0.0, 0.0
         if crowds:
-            rise = math.sinh(v)
+            rise = sinh_mean * cosh_place + cosh_mean * sinh_place
+            run = cosh_mean * cosh_place + sinh_mean * sinh_place
             theta = middle + reach * rise
-            share *= reach * math.sqrt(1.0 + rise * rise)
-        cosine, lever = math.cos(theta), b * math.sin(theta)
+            v_rate = mean_rate + place * stride_rate
+            theta_rate = middle_rate + reach_rate * rise + reach * run * v_rate
+            share_rate = run * (reach_rate * stride + reach * stride_rate) + reach * stride * rise * v_rate
+            share *= reach * run
+        cosine, sine = math.cos(theta), math.sin(theta)
+        lever = b * sine
         # half the length halves the growth, the bound falls with its square
         inverse = 1.0 / cosine
-        strip_x, strip_y, strip_rate_x, strip_rate_y = strip_force(
-            nx, (grow_x - grow_s * lever) * inverse, grow_y * inverse, grow_s * a,
-            (rate_x - rate_s * lever) * inverse, rate_y * inverse, rate_s * a,
+        strip_grow_x, strip_grow_y = (grow_x - grow_s * lever) * inverse, grow_y * inverse
+        shorter = sine * inverse * theta_rate
+        strip_x, strip_y, strip_rate = strip_force(
+            nx, strip_grow_x, strip_grow_y, grow_s * a,
+            (rate_x - rate_s * lever) * inverse - grow_s * b * theta_rate + strip_grow_x * shorter,
+            rate_y * inverse + strip_grow_y * shorter, rate_s * a, along_x, along_y,
         )  # fmt: skip
         weight = cosine * cosine
+        weight_rate = weight * weight * (share_rate - 4.0 * shorter * share)
         weight *= weight * share
         sum_bound += weight
         sum_x += weight * strip_x
         sum_y += weight * strip_y
-        sum_rate_x += weight * strip_rate_x
-        sum_rate_y += weight * strip_rate_y
+        sum_bound_rate += weight_rate
+        sum_rate += weight * strip_rate + weight_rate * (strip_x * along_x + strip_y * along_y)
     scale = 1.5 * limit_n / nx / sum_bound
     size = scale * math.sqrt(sum_x * sum_x + sum_y * sum_y)
     if size > limit_n:  # by no more than where sliding begins is found short of
         scale *= limit_n / size
-    tangent = scale * (sum_rate_x * along_x + sum_rate_y * along_y)
+    tangent = scale * (sum_rate - sum_bound_rate / sum_bound * (sum_x * along_x + sum_y * along_y))
     return -scale * sum_x, -scale * sum_y, tangent, min(size, limit_n) / total
 
 
 @inlined
-def _crowding(ny: int, pole: float, spread: float) -> tuple[float, float, float, float]:
-    """Strips at theta = middle + reach sinh(v), v amid `ny` equal parts: middle, reach, mean and stride of v.
+def _crowding(
+    ny: int, pole: float, spread: float, pole_rate: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Strips at theta = middle + reach sinh(v), v amid `ny` equal parts: middle, reach, mean and stride of v; and how
+    these four change with the `pole`, by `pole_rate`.
 
     Where y passes the `pole` of the slip (y/b) the stress turns over, within a width `spread` b. A force that is
     analytic up to pole + i spread in y/b is so up to the arcsine of that in theta, middle + i arcosh(larger), and in v
-    up to i pi/2 however close that is; sinh in place of the arcosh lets the crowding vanish far away.
+    up to i pi/2 however close that is; sinh in place of the arcosh lets the crowding vanish far away. The arcsine's
+    derivative is 1/cosine, of size 1/sqrt(right left).
     """
     right = math.sqrt((pole + 1.0) * (pole + 1.0) + spread * spread)
     left = math.sqrt((pole - 1.0) * (pole - 1.0) + spread * spread)
     larger = 0.5 * (right + left)
     middle = math.asin(2.0 * pole / (right + left))
     reach = math.sqrt(larger * larger - 1.0)
-    start, end = (0.5 * math.pi + middle) / reach, (0.5 * math.pi - middle) / reach
+    relative = pole_rate / (right * left)
+    reach_rate = relative * pole * reach
+    per_reach = 1.0 / reach
+    middle_rate = relative * larger * spread * per_reach
+    start, end = (0.5 * math.pi + middle) * per_reach, (0.5 * math.pi - middle) * per_reach
+    start_root, end_root = math.sqrt(start * start + 1.0), math.sqrt(end * end + 1.0)
     # arsinh(w) is log(w + sqrt(w^2 + 1)), and odd; first v is -before, last v is after
-    before, after = math.log(start + math.sqrt(start * start + 1.0)), math.log(end + math.sqrt(end * end + 1.0))
-    return middle, reach, 0.5 * (after - before), (before + after) / ny
+    before, after = math.log(start + start_root), math.log(end + end_root)
+    before_rate = (middle_rate * per_reach - start * relative * pole) / start_root
+    after_rate = -(middle_rate * per_reach + end * relative * pole) / end_root
+    return (
+        middle, reach, 0.5 * (after - before), (before + after) / ny,
+        middle_rate, reach_rate, 0.5 * (after_rate - before_rate), (before_rate + after_rate) / ny,
+    )  # fmt: skip
 
 
 @compiled

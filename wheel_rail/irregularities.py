@@ -134,11 +134,16 @@ def displaced_frame(position: Array, track: Array, offsets: Array, rail: int, fr
 
     `offsets` (8,) are those of `rail_offsets` at the place of `position` (3,), which lies up to a millimetre before or
     behind the track frame's origin: the origin is brought abreast of it, for on a slope of the rail that is a height.
+    In a cant ramp the rail turns with the track plane about the centreline, in a curve with the tangent on the way
+    there.
     """
     aside, up = offsets[2 * rail], offsets[2 * rail + 1]
-    turn, climb = offsets[4 + 2 * rail], offsets[5 + 2 * rail]
     tx, ty, tz = track[3], track[4], track[5]
     ahead = (position[0] - track[0]) * tx + (position[1] - track[1]) * ty + (position[2] - track[2]) * tz
+    # the derivative of position + aside left + up up, where the plane's left is turned by its roll from the level
+    twist, heading = track[12], track[13] * ahead
+    turn = offsets[4 + 2 * rail] - twist * up + heading * track[11]
+    climb = offsets[5 + 2 * rail] + twist * aside - heading * track[8]
     scale = 1.0 / math.sqrt(1.0 + turn * turn + climb * climb)
     across = 1.0 / math.sqrt(1.0 + turn * turn)
     for j in range(3):

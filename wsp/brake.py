@@ -140,7 +140,8 @@ def _resupply(drawn: float, b: Record) -> None:
         source = b.feed_bar + ATMOSPHERE_BAR
         exchange = b.feed_dm3pbar / b.reservoir_dm3
         after = pressure_filled_bar(pressure + ATMOSPHERE_BAR, source, exchange, b.critical_ratio)
-        charged = b.feed_bar if after >= source else after - ATMOSPHERE_BAR
+        # not below the pressure before by rounding
+        charged = b.feed_bar if after >= source else max(pressure, after - ATMOSPHERE_BAR)
         b.supplied_nl += (charged - pressure) * b.reservoir_dm3 * b.nl_per_bar_dm3
         pressure = charged
     b.reservoir_bar = pressure

@@ -78,7 +78,9 @@ def _capacity_dm3(axle: int, other_bar: float, passage_dm3pbar: float, held: flo
 def exchange_air(axle: int, other_bar: float, passage_dm3pbar: float, b: Record) -> float:
     """Let the axle's cylinders exchange air with a place of constant gauge pressure; return what came in, bar dm3.
 
-    passage_dm3pbar is conductance times time (temperature included). Sets cylinder and pad pressure.
+    passage_dm3pbar is conductance times time (temperature included). Sets cylinder and pad pressure. What comes in is
+    never negative if the other pressure is above the cylinders', never positive if below: all that follows from the
+    pressure reached is monotone in it, rounding included.
     """
     pressure = b.cylinder_bar[axle]
     if pressure == other_bar:
@@ -103,8 +105,13 @@ def exchange_air(axle: int, other_bar: float, passage_dm3pbar: float, b: Record)
     else:
         after = pressure_emptied_bar(before, other, exchange, b.critical_ratio)
         arrived = after <= other
-    # to the last bit: cylinders in balance stay so
-    reached = other_bar if arrived else max(0.0, after - ATMOSPHERE_BAR)
+    # to the last bit: cylinders in balance stay so, and rounding moves no air against the difference of pressure
+    if arrived:
+        reached = other_bar
+    elif other_bar > pressure:
+        reached = max(pressure, after - ATMOSPHERE_BAR)
+    else:
+        reached = min(pressure, max(0.0, after - ATMOSPHERE_BAR))
     pad = pad_pressure_bar(reached, pad, b)
     b.cylinder_bar[axle] = reached
     b.pad_bar[axle] = pad

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -145,6 +145,10 @@ def test_small_creep_gives_kalkers_linear_forces(name: str, ratio: float) -> Non
 @EVERY
 @settings(max_examples=60, deadline=None)
 @given(st.floats(1e-6, 0.1), st.floats(0.0, 2.0 * math.pi), st.sampled_from([0.0, 0.05, -1.0]), surfaces)
+# on a coarse grid: stress turns over amid a cell; sliding begins where a cell does; strips follow the pole of the slip
+@example(1e-6, 5.0, -1.0, "very-low")
+@example(3.4e-5, 4.518, -1.0, "dry")
+@example(5.5e-6, 6.271, -1.0, "wet")
 def test_tangent_and_secant_are_those_of_the_force(
     name: str, size: float, angle: float, spin: float, surface: str
 ) -> None:
@@ -167,7 +171,7 @@ def test_tangent_and_secant_are_those_of_the_force(
         sides.append(-sign * ((there[0] - fx) * direction[0] + (there[1] - fy) * direction[1]) / step)
     slope = SHEAR_PA * patch[0] * patch[1] * patch[2]
     # with spin the fall of friction is followed approximately; a user's tangent is itself a difference
-    tolerance = (2e-3 if name == "user" else 1e-5) * slope if spin == 0.0 else 0.05 * slope
+    tolerance = (2e-3 if name == "user" else 1e-5) * slope if spin == 0.0 else 0.02 * slope
     assert min(sides) - tolerance <= tangent <= max(sides) + tolerance
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from pyarrow import parquet
 from pydantic import ValidationError
@@ -99,6 +99,7 @@ def test_a_wave_is_read_as_a_wave() -> None:
 
 @settings(max_examples=100, deadline=None)
 @given(st.floats(120.0, 900.0), st.floats(-9e-4, 9e-4), st.integers(0, 1))
+@example(174.0, 0.000576, 0)  # 8 mm aside in the steep cant ramp
 def test_a_rails_frame_runs_along_the_rail(
     curved: tuple[Track, Irregularities], s_m: float, ahead: float, rail: int
 ) -> None:
@@ -121,7 +122,8 @@ def test_a_rails_frame_runs_along_the_rail(
     # within a millimetre the track turns by 3e-6 rad, on which an offset of some mm is not taken along
     assert moved[:3] == pytest.approx(place(s_m + ahead), abs=3e-8)
     along = place(s_m + ahead + 1e-4) - place(s_m + ahead - 1e-4)
-    assert axes[0] == pytest.approx(along / np.linalg.norm(along), abs=1e-5)
+    # all that is left out is that the rail inside of a curve is shorter: its slope times curvature times offset
+    assert axes[0] == pytest.approx(along / np.linalg.norm(along), abs=1e-7)
 
 
 @pytest.fixture(scope="module")

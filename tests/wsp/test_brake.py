@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -141,6 +141,14 @@ def stored_nl(brake: Brake) -> tuple[float, float]:
     st.sampled_from([0.005, 0.002, 0.0005]),
     st.floats(-40.0, 60.0),
     st.floats(0.0, 0.01),
+)
+@example(  # at 0.1 bar, where the stroke ends, a leakage of next to nothing
+    "dynamic-magnetic-56t",
+    [(demand, [FILL] * 4, steps) for demand, steps in ((1.0, 50), (0.0, 33), (0.0, 54), (0.5, 48), (0.0, 40))],
+    {},
+    0.005,
+    0.0,
+    1.1754943508222875e-38,
 )
 def test_air_balances_and_all_stays_bounded(
     presets: dict[str, BrakeParameters],

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from wsp import FILL, HOLD, VENT, Brake, BrakeParameters
+from wsp import BRAKE_PRESETS, FILL, HOLD, VENT, Brake, BrakeParameters
 from wsp.brake_record import brake_record
-from wsp.cylinder import cylinder_volume_dm3, pad_pressure_bar
+from wsp.cylinder import cylinder_volume_dm3, exchange_air, pad_pressure_bar
 
 STILL = np.zeros(4)
 
@@ -82,6 +82,31 @@ def test_volume_grows_by_clearance_stroke_and_force(coach_brake: BrakeParameters
 
 def flow(ratio: float, critical: float) -> float:
     return 1.0 if ratio <= critical else float(np.sqrt(max(0.0, 1.0 - ((ratio - critical) / (1.0 - critical)) ** 2)))
+
+
+PRESSURES = st.one_of(st.floats(0.0, 4.0), st.sampled_from([0.0, 0.04, 0.1, 0.3, 1.0]))
+ALMOST_EQUAL = PRESSURES.flatmap(lambda p: st.tuples(st.just(p), st.floats(max(0.0, p - 1e-14), p + 1e-14)))
+
+
+@settings(max_examples=300)
+@given(
+    st.sampled_from(sorted(BRAKE_PRESETS)),
+    st.one_of(st.tuples(PRESSURES, PRESSURES), ALMOST_EQUAL),
+    st.floats(0.0, 1.0),
+    st.one_of(st.floats(0.0, 10.0), st.floats(0.0, 1e-6)),
+)
+@example("dynamic-magnetic-56t", (0.1, 0.0), 0.0, 1e-40)
+def test_air_flows_towards_the_lower_pressure_to_the_last_bit(
+    presets: dict[str, BrakeParameters], preset: str, pressures_bar: tuple[float, float], play: float, passage: float
+) -> None:
+    b = record(presets[preset])
+    before_bar, other_bar = pressures_bar
+    rising = max(0.0, before_bar - b["lay_on_bar"])
+    b["cylinder_bar"][0] = before_bar
+    b["pad_bar"][0] = pad_pressure_bar(before_bar, (1.0 + play * presets[preset].linkage_hysteresis) * rising, b)
+    came_in = exchange_air(0, other_bar, passage, b)
+    assert min(pressures_bar) <= b["cylinder_bar"][0] <= max(pressures_bar)
+    assert came_in * (other_bar - before_bar) >= 0.0
 
 
 @pytest.mark.parametrize(("step_s", "tolerance_bar"), [(0.001, 0.008), (0.00025, 0.002)])
