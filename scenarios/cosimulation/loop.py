@@ -112,7 +112,10 @@ class Loop:
         self._hear(ControllerOutput())
         self._valid = numbers["valid"].view(np.bool_)
         self._axle_speed = self.tachometers.axle_speed_mps
+        # several numbers of a record at once take a third of the time
         self._seen_last = self.record[["position_m", "speed_mps", "moved", "still_ticks"]]
+        self._driven = self.record[["demand", "traction_n"]]
+        self._driver_wishes = self.record[["driver_sands", "driver_brakes_track"]]
 
     def close(self) -> None:
         """End what the controller holds outside of this process, if anything."""
@@ -200,7 +203,7 @@ class Loop:
         if not self._first_m <= position_m <= self._last_m:
             self.off_the_line = True
         self._drive(driver.traction_n, driver.demand)
-        self._numbers["driver_sands"], self._numbers["driver_brakes_track"] = driver.sand, driver.track_brake
+        self._driver_wishes[0] = driver.sand, driver.track_brake
         driver.step(position_m, speed_mps)
         # at rest under brakes, having moved, for long enough to end the run
         if still_ticks * TICK_S >= STANDSTILL_LASTS_S and moved:
@@ -208,8 +211,8 @@ class Loop:
             self.stopped = self._demand > 0.0 and stays and self._outside is None
 
     def _drive(self, traction_n: float, demand: float) -> None:
-        self._numbers["demand"] = self._demand = self._view.demand = demand
-        self._numbers["traction_n"] = self._view.traction_n = traction_n
+        self._demand = demand
+        self._view.demand, self._view.traction_n = self._driven[0] = demand, traction_n
 
     def _control(self, t_s: float, controller: Controller) -> None:
         """What the controller answered at its last tick is in force by now; it answers anew."""
