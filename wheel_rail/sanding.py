@@ -7,15 +7,30 @@ The sand on a rail counts in g/m. Friction moves from the rail's own towards tha
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from wheel_rail.adhesion_state import SAND_KEPT, RailTables, spread
-from wheel_rail.compiled import Array, compiled
+from wheel_rail.compiled import Array, address_of, array_at, compiled, record_reader
 
 MOST_SANDERS = 8
 # columns of a sander's row for `lay_sand`
 WHEELSET, OFFSET, FLOW = range(3)
+
+SANDERS = np.dtype(
+    [
+        ("count", "i8"),
+        ("rows_at", "i8"),  # (count, 3)
+        ("asked_at", "i8"),  # (count, slots): flow asked for, in a ring of periods
+        ("slots", "i8"),
+        ("steps", "i8"),
+        ("rate_gps", "f8", (MOST_SANDERS,)),
+        ("delay", "i8", (MOST_SANDERS,)),  # in periods
+    ]
+)
+"""What the compiled part of `Sanders` works on."""
+
+_sanders_at = record_reader(SANDERS)
 
 
 class SandEffect(BaseModel):
@@ -69,21 +84,32 @@ class Sanders:
         self.rows = np.zeros((len(sanders), 3))
         self.rows[:, WHEELSET] = [sander.wheelset - 1 for sander in sanders]
         self.rows[:, OFFSET] = [sander.offset_m for sander in sanders]
-        self._rate_gps = np.array([sander.rate_gps for sander in sanders])
-        self._wheelset = self.rows[:, WHEELSET].astype(np.intp)
-        self._delay = np.array([round(sander.delay_s / period_s) for sander in sanders], dtype=np.intp)
-        self._asked = np.zeros((len(sanders), int(self._delay.max(initial=0)) + 1))
-        self._every = np.arange(len(sanders))
-        self._steps = 0
+        delays = [round(sander.delay_s / period_s) for sander in sanders]
+        self._asked = np.zeros((len(sanders), max(delays, default=0) + 1))
+        self._record = np.zeros(1, SANDERS)
+        record = self._record[0]
+        record["count"], record["slots"] = self._asked.shape
+        record["rows_at"], record["asked_at"] = address_of(self.rows), address_of(self._asked)
+        record["rate_gps"][: len(sanders)] = [sander.rate_gps for sander in sanders]
+        record["delay"][: len(sanders)] = delays
+        self.address = address_of(self._record)
+        """Of a record of SANDERS, for `work_sanders`; valid as long as this object lives."""
 
     def step(self, sand: ArrayLike) -> None:
         """Take the command per wheelset, `sand` (4,) of bool, and set the flows that hold for the next period."""
-        if not len(self.rows):
-            return
-        length = self._asked.shape[1]
-        self._asked[:, self._steps % length] = np.asarray(sand, dtype=bool)[self._wheelset]
-        self.rows[:, FLOW] = self._rate_gps * self._asked[self._every, (self._steps - self._delay) % length]
-        self._steps += 1
+        work_sanders(self.address, np.array(sand, dtype=np.bool_).view(np.uint8))
+
+
+@compiled
+def work_sanders(address: int, sand: NDArray[np.uint8]) -> None:
+    """`Sanders.step` by the address of its record; `sand` (4,): 0 or 1."""
+    sanders = _sanders_at(address)
+    rows = array_at(sanders.rows_at, (sanders.count, 3))
+    asked = array_at(sanders.asked_at, (sanders.count, sanders.slots))
+    for k in range(sanders.count):
+        asked[k, sanders.steps % sanders.slots] = sanders.rate_gps[k] * sand[int(rows[k, WHEELSET])]
+        rows[k, FLOW] = asked[k, (sanders.steps - sanders.delay[k]) % sanders.slots]
+    sanders.steps += 1
 
 
 @compiled

@@ -22,34 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wsp.anti_skid_parameters import AntiSkidParameters
+from wsp.anti_skid_record import AXLES, anti_skid_record
 from wsp.axle_speed import fading_memory_after
 from wsp.compiled import FloatArray, Record, compiled
 
-AXLES = 4
 GRIPS, SLIPS, RELIEVED = range(3)
-
-
-_STATE = [
-    ("speed_mps", "f8", (AXLES,)),
-    ("acceleration_mps2", "f8", (AXLES,)),
-    ("torque_nm", "f8", (AXLES,)),  # the answer of the last tick, not yet in force
-    ("in_force_nm", "f8", (AXLES,)),
-    ("felt_nm", "f8", (AXLES,)),  # in force, behind the filter of the speeds
-    ("rail_nm", "f8", (AXLES,)),
-    ("limit_nm", "f8", (AXLES,)),
-    ("largest_rail_nm", "f8", (AXLES,)),
-    ("mode", "i8", (AXLES,)),
-    ("since_slip_s", "f8", (AXLES,)),  # while it slips: since its torque is at the least
-    ("relieved_s", "f8"),
-    ("unsure_s", "f8"),
-    ("reference_mps", "f8"),
-    ("train_mps2", "f8"),  # by what the rails take
-    ("unknown_mps2", "f8"),  # and by what the anti-skid does not see
-    ("started", "i8"),
-]
-_CONSTANTS = [(name, "f8") for name in ("period_s", "memory", "train_memory", *AntiSkidParameters.model_fields)]
-ANTI_SKID = np.dtype([*_STATE, *_CONSTANTS], align=True)
-"""State and constants of the anti-skid, as its compiled part has them."""
 
 
 @compiled
@@ -192,16 +169,46 @@ def _limit(c: Record, axle: int, demand_nm: float) -> None:
 
 
 @compiled
-def _tick(
-    records: np.ndarray,
-    axle_speed_mps: FloatArray,
-    valid: NDArray[np.bool_],
-    demand_nm: FloatArray,
-    direction: float,
-    outside_mps: float,
-) -> None:
-    c = records[0]
-    _follow_train(c, _observe(c, axle_speed_mps, valid, direction), outside_mps)
+def forget_slips(c: Record) -> None:
+    """`AntiSkid.reset` on its record."""
+    for axle in range(AXLES):
+        c.speed_mps[axle] = np.nan
+        c.acceleration_mps2[axle] = 0.0
+        c.torque_nm[axle] = c.in_force_nm[axle] = c.felt_nm[axle] = 0.0
+        c.rail_nm[axle] = c.limit_nm[axle] = c.largest_rail_nm[axle] = 0.0
+        c.mode[axle] = GRIPS
+        c.since_slip_s[axle] = c.quiet_s
+    c.relieved_s = c.unsure_s = 0.0
+    c.reference_mps = c.train_mps2 = c.unknown_mps2 = 0.0
+    c.started = 0
+
+
+@compiled
+def _turn(c: Record, demand_nm: FloatArray) -> bool:
+    """Take the direction of the demand, a new one from rest; False for a demand not finite or of both signs."""
+    forward = backward = False
+    for axle in range(AXLES):
+        if not np.isfinite(demand_nm[axle]):
+            return False
+        forward = forward or demand_nm[axle] > 0.0
+        backward = backward or demand_nm[axle] < 0.0
+    if forward and backward:
+        return False
+    direction = 1.0 if forward else (-1.0 if backward else c.direction)
+    if direction != c.direction:
+        c.direction = direction
+        forget_slips(c)
+    return True
+
+
+@compiled
+def advance_anti_skid(
+    c: Record, axle_speed_mps: FloatArray, valid: NDArray[np.bool_], demand_nm: FloatArray, outside_mps: float
+) -> bool:
+    """`AntiSkid.step` on its record, to `answer_nm`; False, and nothing done, for a demand that makes no sense."""
+    if not _turn(c, demand_nm):
+        return False
+    _follow_train(c, _observe(c, axle_speed_mps, valid, c.direction), outside_mps)
     _relieve(c)
     smallest = np.inf
     for axle in range(AXLES):
@@ -212,6 +219,20 @@ def _tick(
         if np.isnan(c.speed_mps[axle]):  # not seen: no more than the most careful of the others
             c.limit_nm[axle] = min(smallest, abs(demand_nm[axle])) if smallest < np.inf else 0.0
         c.torque_nm[axle] = c.limit_nm[axle]
+        c.answer_nm[axle] = c.torque_nm[axle] * c.direction
+    return True
+
+
+@compiled
+def _advance_first(
+    records: np.ndarray, axle_speed_mps: FloatArray, valid: NDArray[np.bool_], demand_nm: FloatArray, outside: float
+) -> bool:
+    return advance_anti_skid(records[0], axle_speed_mps, valid, demand_nm, outside)
+
+
+@compiled
+def _forget_first(records: np.ndarray) -> None:
+    forget_slips(records[0])
 
 
 class AntiSkid:
@@ -228,30 +249,20 @@ class AntiSkid:
             raise ValueError(f"period_s = {period_s}: a positive number of seconds is needed")
         self.parameters = parameters
         self.period_s = period_s
-        self._record = np.zeros(1, ANTI_SKID)
-        c = self._record[0]
-        for name, value in parameters.model_dump().items():
-            c[name] = value
-        c["period_s"] = period_s
-        c["memory"] = math.exp(-period_s / parameters.filter_time_s)
-        c["train_memory"] = math.exp(-period_s / parameters.train_filter_time_s)
+        self.record: np.ndarray = anti_skid_record(parameters, period_s)
+        """(1,) of ANTI_SKID: all that it is; compiled code hands `record[0]` to advance_anti_skid."""
         self._demand_nm = np.zeros(AXLES)
-        self._torque_nm = np.zeros(AXLES)
-        self._direction = 1.0
+        self._answer_nm: NDArray[np.float64] = self.record["answer_nm"][0]
         self.reset()
 
     def reset(self) -> None:
         """Forget speeds and torques: all axles free, at rest until the tachometers say otherwise."""
-        c = self._record[0]
-        for name, *_ in _STATE:
-            c[name] = 0
-        c["speed_mps"] = np.nan
-        c["since_slip_s"] = self.parameters.quiet_s
+        _forget_first(self.record)
 
     @property
     def reference_speed_mps(self) -> float:
         """The train's speed as the anti-skid believes, positive in the direction of the demand."""
-        return float(self._record["reference_mps"][0])
+        return float(self.record["reference_mps"][0])
 
     def step(
         self,
@@ -266,16 +277,7 @@ class AntiSkid:
         sign: that of the direction of travel, positive forward. reference_mps: the train's speed from elsewhere, nan
         for none. Raises ValueError for a demand that is not finite or of both signs.
         """
-        demand = self._demand_nm
-        demand[:] = demand_nm
-        lowest, highest = demand.min(), demand.max()
-        if not (math.isfinite(lowest) and math.isfinite(highest)) or lowest < 0.0 < highest:
+        self._demand_nm[:] = demand_nm
+        if not _advance_first(self.record, axle_speed_mps, valid, self._demand_nm, reference_mps):
             raise ValueError(f"demand_nm = {demand_nm}: finite torques of one sign are needed")
-        if lowest < 0.0 or highest > 0.0:
-            direction = 1.0 if highest > 0.0 else -1.0
-            if direction != self._direction:
-                self._direction = direction
-                self.reset()
-        _tick(self._record, axle_speed_mps, valid, demand, self._direction, reference_mps)
-        np.multiply(self._record["torque_nm"][0], self._direction, out=self._torque_nm)
-        return self._torque_nm
+        return self._answer_nm

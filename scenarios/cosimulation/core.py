@@ -4,12 +4,15 @@ import math
 
 import numpy as np
 
+from scenarios.cosimulation.traction import drive, traction_at
 from sensors import pulse_edges
 from sensors.tachometers import ROOM_OF_A_TICK
 from vehicle.layout import ACTUATION, SPIN, coach_at
 from vehicle.observation import OBSERVATION, observe
 from wheel_rail.compiled import array_at, compiled, record_reader
+from wheel_rail.sanding import work_sanders
 from wsp.brake import BRAKE, advance_brake
+from wsp.controllers.interface import OUTPUT
 
 BRAKE_ROW = np.dtype(
     [
@@ -35,7 +38,8 @@ BRAKE_ROW = np.dtype(
 
 LOOP = np.dtype(
     [
-        # where things stand: records of coach and brake, tachometers, rows to be written, actuation
+        # where things stand: records of coach and brake, tachometers, rows to be written, actuation, sanders (0: none),
+        # traction, what the controller answered last
         ("coach_at", "i8"),
         ("watching_at", "i8"),
         ("brake_at", "i8"),
@@ -49,19 +53,28 @@ LOOP = np.dtype(
         ("brake_rows_at", "i8"),
         ("rows_room", "i8"),
         ("actuation_at", "i8"),
+        ("sanders_at", "i8"),
+        ("traction_at", "i8"),
+        ("answer_at", "i8"),
         # how far they are written
+        ("periods_per_tick", "i8"),
+        ("periods_per_record", "i8"),
         ("rows_per_tick", "i8"),
+        ("periods", "i8"),
         ("edge_count", "i8"),
         ("ticks", "i8"),
         ("row", "i8"),
-        # commands: of the WSP as answered and in force, of the driver in force
-        ("answer", "i1", (4,)),
+        # commands in force: of the WSP, of the driver
         ("command", "i1", (4,)),
-        ("sand", "i1", (4,)),
+        ("sand", "u1", (4,)),
+        ("track_brake", "u1"),
+        ("heeds_wishes", "u1"),  # whether the coach, or somebody outside, has any use for sand and track brake
+        ("driver_sands", "u1"),
+        ("driver_brakes_track", "u1"),
         ("demand", "f8"),
-        ("drive_torque_nm", "f8", (4,)),
-        ("reference_speed_mps", "f8"),
-        # what was seen at the last tick
+        ("traction_n", "f8"),
+        # the last tick: whether it was one of the controller's, and what was seen
+        ("controlling", "u1"),
         ("valid", "u1", (4,)),
         ("speed_mps", "f8"),
         ("position_m", "f8"),
@@ -73,8 +86,10 @@ LOOP = np.dtype(
 loop_at = record_reader(LOOP)
 _brake_at = record_reader(BRAKE)
 _brake_row_at = record_reader(BRAKE_ROW)
+_answer_at = record_reader(OUTPUT)
 
 LOOKED, NO_ROOM, JUMPED = range(3)
+ACTED, BAD_COMMAND, BAD_TRACTION = range(3)
 
 STANDSTILL_MPS = 0.02
 _MOTION_BYTES, _BRAKE_BYTES = OBSERVATION.itemsize, BRAKE_ROW.itemsize
@@ -83,8 +98,8 @@ _DYNAMIC_FADES_RADPS = 0.2  # a retarder's torque goes through zero with the whe
 
 
 @compiled
-def look(address: int, t_s: float, latching: bool) -> int:
-    """A tick: the tachometers look at the wheels; if `latching`, the valve commands answered come into force.
+def look(address: int, t_s: float, controlling: bool) -> int:
+    """A tick: the tachometers look at the wheels; if it is one of the controller's, its last answer comes into force.
 
     LOOKED; or NO_ROOM, and nothing done, if an array cannot take what the tick may bring; or JUMPED if a wheel's angle
     has jumped by thousands of pulses.
@@ -109,8 +124,9 @@ def look(address: int, t_s: float, latching: bool) -> int:
         seen[i] = state[pulse_edges.SPEED, i]
         seen[4 + i] = state[pulse_edges.VALID, i]
         loop.valid[i] = 1 if seen[4 + i] > 0.0 else 0
-        if latching:
-            loop.command[i] = loop.answer[i]
+    loop.controlling = 1 if controlling else 0
+    if controlling:
+        latch(address)
     loop.ticks += 1
     loop.position_m = coach.s[4]
     loop.speed_mps = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
@@ -123,29 +139,60 @@ def look(address: int, t_s: float, latching: bool) -> int:
 
 
 @compiled
-def act(address: int, t_s: float, recording: bool) -> bool:
-    """A period: write down what is true at `t_s` if `recording`, then advance the brake plant and set the actuation.
+def latch(address: int) -> None:
+    """What the controller answered last comes into force."""
+    loop = loop_at(address)
+    answer = _answer_at(loop.answer_at)
+    loop.command[:] = answer.valve
+    if loop.sanders_at != 0:
+        loop.sand[:] = answer.sand
+    loop.track_brake = answer.track_brake
 
-    False if the plant refuses demand or commands.
+
+@compiled
+def _obey(address: int) -> bool:
+    """A tick, after all have spoken: the driver's wishes join the controller's, and sanders, track brake and traction
+    do as they are told; False if the driver's force is not finite."""
+    loop = loop_at(address)
+    if loop.controlling != 0 and loop.heeds_wishes != 0:
+        if loop.sanders_at != 0 and loop.driver_sands != 0:
+            loop.sand[:] = 1
+        _brake_at(loop.brake_at).track_brake_on = loop.track_brake != 0 or loop.driver_brakes_track != 0
+    if loop.sanders_at != 0:
+        work_sanders(loop.sanders_at, loop.sand)
+    state = array_at(loop.tachometer_at, (loop.tachometer_rows, 4))
+    return drive(loop.traction_at, loop.traction_n, state[pulse_edges.SPEED], loop.valid)
+
+
+@compiled
+def act(address: int, t_s: float) -> int:
+    """A period: at a tick commands go out; at its own times the recorder writes down what is true at `t_s`; then the
+    brake plant advances and the actuation is set.
+
+    ACTED; or BAD_COMMAND if the plant refuses demand or valve codes, BAD_TRACTION if the driver's force is not finite.
     """
     loop = loop_at(address)
+    if loop.periods % loop.periods_per_tick == 0 and not _obey(address):
+        return BAD_TRACTION
     coach = coach_at(loop.coach_at)
     brake = _brake_at(loop.brake_at)
     v = array_at(coach.solver_at[1], (46,))
-    if recording:
+    if loop.periods % loop.periods_per_record == 0:
         observe(t_s, loop.coach_at, loop.watching_at, loop.motion_at + loop.row * _MOTION_BYTES)
         _write_brake_row(address)
         loop.row += 1
     speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
     if not advance_brake(brake, loop.demand, loop.command, v[SPIN:], speed):
-        return False
+        return BAD_COMMAND
     actuation = array_at(loop.actuation_at, (ACTUATION,))
+    traction = traction_at(loop.traction_at)
     for i in range(4):
         actuation[i] = brake.torque_nm[i]
         turning = math.tanh(v[SPIN + i] / _DYNAMIC_FADES_RADPS) if brake.dynamic_torque_nm[i] > 0.0 else 0.0
-        actuation[4 + i] = loop.drive_torque_nm[i] - brake.dynamic_torque_nm[i] * turning
+        actuation[4 + i] = traction.torque_nm[i] - brake.dynamic_torque_nm[i] * turning
     actuation[8], actuation[9] = brake.track_brake_force_n[0], brake.track_brake_force_n[1]
-    return True
+    loop.periods += 1
+    return ACTED
 
 
 @compiled
@@ -155,7 +202,7 @@ def _write_brake_row(address: int) -> None:
     row = _brake_row_at(loop.brake_rows_at + loop.row * _BRAKE_BYTES)
     state = array_at(loop.tachometer_at, (loop.tachometer_rows, 4))
     row.demand = loop.demand
-    row.reference_speed_mps = loop.reference_speed_mps
+    row.reference_speed_mps = _answer_at(loop.answer_at).reference_speed_mps
     row.distributor_pressure_bar = brake.distributor_bar
     row.reservoir_pressure_bar = brake.reservoir_bar
     row.air_nl = brake.drawn_nl

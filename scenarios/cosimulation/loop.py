@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Callable
-from typing import Literal
+from typing import Literal, NoReturn
 
 import numpy as np
 
-from scenarios.cosimulation.core import LOOKED, LOOP, NO_ROOM, act, look
+from scenarios.cosimulation.core import ACTED, BAD_TRACTION, LOOKED, LOOP, NO_ROOM, act, latch, look
 from scenarios.cosimulation.driver import Driver
 from scenarios.cosimulation.faults_at_work import FaultsAtWork
 from scenarios.cosimulation.line import Line
@@ -64,7 +64,6 @@ class Loop:
         simulation = scenario.simulation
         self.period_s = loop_period_s(simulation)
         self._periods_per_tick = round(TICK_S / self.period_s)
-        self._periods_per_record = round(simulation.record_period_s / self.period_s)
         radius_m = 0.5 * scenario.coach.wheelset.wheel_diameter_m
         self.tachometers = Tachometers(
             scenario.tachometers, random_stream(scenario.scenario.world_seed, TACHOMETER_STREAM, 0)
@@ -85,14 +84,10 @@ class Loop:
         self._recorder = Recorder()
         self._first_m, self._last_m = line.places_m
         self._sanders = Sanders(scenario.sanding, TICK_S)
-        self._sands = bool(scenario.sanding.sanders)
-        self._sands_or_magnets = self._sands or scenario.brake.track_brake is not None
         self._actuation = Actuation(self._sanders.rows)
         self._rail_before = line.state.table.copy()
-        self._output = ControllerOutput()
-        self._demand = self._traction_n = 0.0
-        self._drives = self._dead = False
-        self._driver_sands = self._driver_brakes_track = self._magnets = False
+        self._demand = 0.0
+        self._dead = False
         self._periods = 0
         self._ticks = 0
         self._seen = np.zeros((_FIRST_TICKS, 8))  # axle speeds and whether they are valid, one row per tick
@@ -104,14 +99,23 @@ class Loop:
         numbers["tachometer_at"] = address_of(self.tachometers.state)
         numbers["tachometer_rows"] = len(self.tachometers.state)
         numbers["actuation_at"] = address_of(self._actuation.numbers)
+        numbers["sanders_at"] = self._sanders.address if scenario.sanding.sanders else 0
+        numbers["traction_at"] = self._traction.address
+        numbers["periods_per_tick"] = self._periods_per_tick
+        numbers["periods_per_record"] = round(simulation.record_period_s / self.period_s)
         numbers["rows_per_tick"] = round(TICK_S / simulation.record_period_s)
-        numbers["reference_speed_mps"] = np.nan
+        numbers["heeds_wishes"] = bool(
+            scenario.sanding.sanders or scenario.brake.track_brake is not None or outside is not None
+        )
         self._numbers = numbers
         self._address = address_of(self.record)
-        self._answer, self._valid = numbers["answer"], numbers["valid"].view(np.bool_)
-        self._sand = numbers["sand"].view(np.bool_)
-        self._reference_mps = self.record["reference_speed_mps"]
+        self._hear(ControllerOutput())
+        self._valid = numbers["valid"].view(np.bool_)
         self._axle_speed = self.tachometers.axle_speed_mps
+        # several numbers of a record at once take a third of the time
+        self._seen_last = self.record[["position_m", "speed_mps", "moved", "still_ticks"]]
+        self._driven = self.record[["demand", "traction_n"]]
+        self._driver_wishes = self.record[["driver_sands", "driver_brakes_track"]]
 
     def close(self) -> None:
         """End what the controller holds outside of this process, if anything."""
@@ -132,14 +136,20 @@ class Loop:
             self._numbers["coach_at"], self._numbers["watching_at"] = state.addresses
         if periods % self._periods_per_tick == 0 and not self._tick(t_s):
             return None
-        if not act(self._address, t_s, periods % self._periods_per_record == 0):
-            command = self._numbers["command"].tolist()
-            raise ControllerFailed(
-                f"at t = {t_s:.2f} s: valve = {command}, each must be 0 (fill), 1 (hold) or 2 (vent); "
-                f"demand = {self._demand}, it must be 0 to 1"
-            )
+        acted = act(self._address, t_s)
+        if acted != ACTED:
+            self._refuse(t_s, acted)
         self._periods = periods + 1
         return self._actuation
+
+    def _refuse(self, t_s: float, acted: int) -> NoReturn:
+        if acted == BAD_TRACTION:
+            raise ValueError(f"at t = {t_s:.2f} s: traction_n = {self._view.traction_n}, it must be finite")
+        command = self._numbers["command"].tolist()
+        raise ControllerFailed(
+            f"at t = {t_s:.2f} s: valve = {command}, each must be 0 (fill), 1 (hold) or 2 (vent); "
+            f"demand = {self._demand}, it must be 0 to 1"
+        )
 
     def _tick(self, t_s: float) -> bool:
         """Everything that happens each 10 ms; False ends the run."""
@@ -166,14 +176,6 @@ class Loop:
                 self._estimate(t_s - TICK_S, self._reference)
             if controlling:
                 self._control(t_s, self._controller)
-        if self._sands:
-            self._sanders.step(self._sand)
-        if self._drives or self._traction_n != 0.0:
-            self._traction.step(self._traction_n, self._axle_speed, self._valid)
-            self._numbers["drive_torque_nm"] = self._traction.torque_nm
-            self._drives = self._traction_n != 0.0 or bool(self._traction.torque_nm.any())
-            if not self._drives:
-                self._traction.rest()
         return True
 
     def _make_room(self) -> None:
@@ -192,8 +194,8 @@ class Loop:
 
     def _look_around(self, t_s: float) -> None:
         """A tick of the driver: what he answered at the last one comes into force, then he answers anew."""
-        numbers, driver = self._numbers, self._driver
-        position_m, speed_mps = numbers["position_m"].item(), numbers["speed_mps"].item()
+        driver = self._driver
+        position_m, speed_mps, moved, still_ticks = self._seen_last.item()
         if self._ticks % _PROGRESS_TICKS == 1:
             if self._stop_requested():
                 raise RunInterrupted
@@ -202,22 +204,19 @@ class Loop:
         if not self._first_m <= position_m <= self._last_m:
             self.off_the_line = True
         self._drive(driver.traction_n, driver.demand)
-        self._driver_sands, self._driver_brakes_track = driver.sand, driver.track_brake
+        self._driver_wishes[0] = driver.sand, driver.track_brake
         driver.step(position_m, speed_mps)
         # at rest under brakes, having moved, for long enough to end the run
-        if numbers["still_ticks"].item() * TICK_S >= STANDSTILL_LASTS_S and numbers["moved"]:
+        if still_ticks * TICK_S >= STANDSTILL_LASTS_S and moved:
             stays = driver.demand > 0.0 and not driver.goes_on
             self.stopped = self._demand > 0.0 and stays and self._outside is None
 
     def _drive(self, traction_n: float, demand: float) -> None:
-        self._numbers["demand"] = self._demand = demand
-        self._traction_n = self._view.traction_n = traction_n
-        self._view.demand = demand
+        self._demand = demand
+        self._view.demand, self._view.traction_n = self._driven[0] = demand, traction_n
 
     def _control(self, t_s: float, controller: Controller) -> None:
         """What the controller answered at its last tick is in force by now; it answers anew."""
-        if self._sands_or_magnets:
-            self._sand_and_track_brake(self._output)
         if self._faults.controller_dead:
             self._dead = True
             return
@@ -227,13 +226,17 @@ class Loop:
         reference_mps = math.nan if self._reference is None else self._reference.at(t_s)
         try:
             output = controller.step(t_s, self._axle_speed, self._valid, self._demand, 1, reference_mps)
+            if output is not self._answer:
+                self._hear(output)
         except (ControllerFailed, RunInterrupted):
             raise
         except Exception as error:
             raise ControllerFailed(f"controller at t = {t_s:.2f} s: {type(error).__name__}: {error}") from error
-        self._output = output
-        self._answer[:] = output.valve
-        self._reference_mps[0] = output.reference_speed_mps
+
+    def _hear(self, answer: ControllerOutput) -> None:
+        """Keep alive what the compiled loop reads by its address."""
+        self._answer = answer
+        self._numbers["answer_at"] = answer.address
 
     def _estimate(self, tick_s: float, reference: EstimatedReference) -> None:
         """The estimator of the reference takes what was recorded up to the last tick."""
@@ -246,26 +249,16 @@ class Loop:
 
     def _ask_outside(self, t_s: float) -> bool:
         """Let somebody outside answer this tick, to act at once; False if he ends the run."""
-        view, numbers = self._view, self._numbers
-        self.tachometers.count = int(numbers["edge_count"])
+        view = self._view
+        self.tachometers.count = int(self._numbers["edge_count"])
         view.state = self._state
         output = self._outside.tick(t_s, view) if self._outside else None
         if output is None:
             return False
-        numbers["command"] = self._answer[:] = output.valve
-        numbers["reference_speed_mps"] = output.reference_speed_mps
+        self._hear(output)
+        latch(self._address)
         self._drive(view.traction_n, view.demand)
-        self._sand_and_track_brake(output)
         return True
-
-    def _sand_and_track_brake(self, output: ControllerOutput) -> None:
-        if self._sands:
-            self._sand[:] = output.sand
-            if self._driver_sands:
-                self._sand[:] = True
-        magnets = output.track_brake or self._driver_brakes_track
-        if magnets != self._magnets:
-            self._magnets = self.brake.track_brake_on = magnets
 
     def truth(self, report: SolveReport | None) -> Truth:
         """The streams recorded; `report` None when the solve broke down."""

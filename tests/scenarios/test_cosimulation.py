@@ -193,6 +193,29 @@ def test_a_command_acts_one_tick_and_the_dead_time_later(step_s: float, monkeypa
     )
 
 
+class Forgetful(Script):
+    """The same answers, as a new output each time, which nobody else keeps."""
+
+    def step(self, *inputs: Any) -> ControllerOutput:
+        output = ControllerOutput()
+        output.valve = super().step(*inputs).valve
+        output.reference_speed_mps = inputs[0]
+        self.output.valve[:] = FILL
+        return output
+
+
+def test_an_output_that_the_controller_does_not_keep_is_obeyed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulation, "_compile", lambda *_: None)
+    commands = []
+    for script in (Script(None), Forgetful(None)):
+        monkeypatch.setattr(Scenario, "make_controller", lambda self, script=script: script)
+        truth = run(*SLOW_STOP, "simulation.longest_s=1")
+        commands.append(truth.brake.valve_command)
+    assert commands[0].any()
+    assert np.array_equal(*commands)
+    assert truth.brake.reference_speed_mps == pytest.approx(truth.brake.t_s)  # recorded at each tick, here its time
+
+
 def test_the_brake_torque_of_a_step_is_that_of_the_plant_at_its_end() -> None:
     truth = run(*SLOW_STOP, "simulation.longest_s=3", "wsp.controller=none")
     capacity, torque = truth.brake.friction_torque_capacity_nm, -truth.wheelsets.brake_torque_nm

@@ -5,7 +5,7 @@ import pytest
 from pydantic import ValidationError
 
 from scenarios.cosimulation.simulation import simulate
-from scenarios.cosimulation.traction import TractionParameters
+from scenarios.cosimulation.traction import Traction, TractionParameters
 from scenarios.scenario_file import load_scenario
 from scenarios.truth import Truth
 
@@ -67,3 +67,45 @@ def test_power_limits_the_force_of_a_fast_train() -> None:
 def test_a_wheelset_is_driven_once() -> None:
     with pytest.raises(ValidationError, match="each wheelset once"):
         TractionParameters(driven_wheelsets=(1, 2, 2))
+
+
+ALL_VALID = np.ones(4, np.bool_)
+
+
+def test_force_becomes_torque_within_power_and_rim_speed() -> None:
+    """F r/n each; P r/(n v) where that is less; nothing beyond the overspeed."""
+    parameters = TractionParameters(
+        driven_wheelsets=(1, 3, 4), largest_power_kw=300.0, largest_rim_speed_kmh=108.0, anti_skid=False
+    )
+    traction = Traction(parameters, 0.46, 0.01)
+    traction.step(20_000.0, np.array([-5.0, 10.0, 25.0, 31.0]), ALL_VALID)
+    assert traction.torque_nm == pytest.approx([20_000.0 * 0.46 / 3, 0.0, 300e3 / 25.0 * 0.46 / 3, 0.0])
+
+
+def test_a_spinning_wheel_is_answered_a_tick_later_and_forgotten_at_rest() -> None:
+    """The tick that shows a wheel far too fast still has the torque of before; after coasting all is given at once."""
+    traction = Traction(TractionParameters(), 0.46, 0.01)
+    fair_nm = 10_000.0 * 0.46 / 4
+    even, spinning = np.full(4, 10.0), np.array([10.0, 14.0, 10.0, 10.0])
+    for _ in range(30):
+        traction.step(10_000.0, even, ALL_VALID)
+    assert traction.torque_nm == pytest.approx(np.full(4, fair_nm))
+    traction.step(10_000.0, spinning, ALL_VALID)
+    assert traction.torque_nm == pytest.approx(np.full(4, fair_nm))
+    traction.step(10_000.0, spinning, ALL_VALID)
+    assert traction.torque_nm[1] < 0.9 * fair_nm
+    assert traction.torque_nm[[0, 2, 3]] == pytest.approx(fair_nm)
+    for _ in range(3):
+        traction.step(0.0, even, ALL_VALID)
+    assert not traction.torque_nm.any()
+    for _ in range(2):
+        traction.step(10_000.0, even + 5.0, ALL_VALID)
+    fresh = Traction(TractionParameters(), 0.46, 0.01)
+    for _ in range(2):
+        fresh.step(10_000.0, even + 5.0, ALL_VALID)
+    assert np.array_equal(traction.torque_nm, fresh.torque_nm)
+
+
+def test_a_force_that_is_not_finite_is_refused() -> None:
+    with pytest.raises(ValueError, match="force_n = nan"):
+        Traction(TractionParameters(), 0.46, 0.01).step(np.nan, np.full(4, 10.0), ALL_VALID)

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from wsp import CONTROLLERS, FILL, HOLD, VENT
+from wsp import CONTROLLERS, FILL, HOLD, VENT, ControllerOutput
+from wsp.controllers.interface import OUTPUT
 
 ALL_VALID = np.ones(4, np.bool_)
 
@@ -45,6 +46,27 @@ def test_ticks_are_10_ms_and_output_is_well_formed(name: str) -> None:
     assert output.valve.dtype == np.int8
     assert output.valve.shape == output.sand.shape == (4,)
     assert output.track_brake is False
+
+
+def test_an_output_stands_in_its_record_however_it_is_written() -> None:
+    record = np.zeros(1, OUTPUT)
+    output = ControllerOutput(record)
+    assert output.address == record.ctypes.data
+    assert np.isnan(record["reference_speed_mps"][0])
+    output.valve = np.array([FILL, HOLD, VENT, HOLD])  # as a whole, by another type
+    output.sand[2] = True  # in place
+    output.track_brake, output.reference_speed_mps = True, 12.5
+    assert (record["reference_speed_mps"][0], record["track_brake"][0]) == (12.5, 1)
+    assert record["valve"][0].tolist() == [FILL, HOLD, VENT, HOLD]
+    assert record["sand"][0].tolist() == [0, 0, 1, 0]
+    output.sand = np.array([True, False, False, True])
+    record["valve"][0, 0] = VENT
+    assert output.sand.tolist() == [True, False, False, True]
+    assert output.valve.tolist() == [VENT, HOLD, VENT, HOLD]
+    output.withdraw()
+    assert not record["valve"].any()
+    assert not record["sand"].any()
+    assert not record["track_brake"].any()
 
 
 SPEEDS = st.lists(st.lists(st.floats(-90.0, 90.0), min_size=4, max_size=4), min_size=1, max_size=40)

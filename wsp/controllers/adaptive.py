@@ -23,22 +23,20 @@ class AdaptiveParameters(SlipLawControllerParameters):
 
 @compiled
 def _tick(
-    state: NDArray[np.void],
-    constants: NDArray[np.void],
-    valve: NDArray[np.int8],
-    sand: NDArray[np.bool_],
+    records: NDArray[np.void],
     axle_speed_mps: NDArray[np.float64],
     valid: NDArray[np.bool_],
     demand: float,
     direction: int,
     outside_mps: float,
-) -> tuple[float, bool]:
+) -> None:
     """One tick, see wsp.controllers.compiled_controller."""
-    s, c = state[0], constants[0]
+    s, c, output = records[0].state, records[0].constants, records[0].output
     at_work = observe_adhesion(s, c, axle_speed_mps, valid, demand, direction, outside_mps)
     search_slips(s, c, at_work, direction)
-    command_slips(s, c, valve, at_work)
-    return known_reference(s), request(s, c, sand, at_work)
+    command_slips(s, c, output.valve, at_work)
+    output.reference_speed_mps = known_reference(s)
+    request(s, c, output, at_work)
 
 
 class Adaptive(CompiledController):

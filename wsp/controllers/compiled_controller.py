@@ -1,4 +1,4 @@
-"""The shell of a controller whose tick is one compiled function over a record of its state and one of its constants."""
+"""The shell of a controller whose tick is one compiled function over one record: constants, state and output."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -7,14 +7,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wsp.controllers.interface import ControllerOutput
+from wsp.controllers.interface import OUTPUT, ControllerOutput
 from wsp.controllers.records import record_of
 from wsp.controllers.supervision import supervision_constants, supervision_state
-from wsp.valves import FILL
 
-Tick = Callable[..., tuple[float, bool]]
-"""tick(state (1,), constants (1,), valve, sand, axle_speed_mps, valid, demand, direction, outside_mps) -> reference
-speed and whether the track brake is wanted: fills in valve codes (4,) and sand (4,)."""
+Tick = Callable[..., None]
+"""tick(records (1,), axle_speed_mps, valid, demand, direction, outside_mps): fills in `records[0].output`, of OUTPUT,
+by the record's other parts, `state` and `constants`."""
 
 
 class CompiledController(ABC):
@@ -25,13 +24,13 @@ class CompiledController(ABC):
 
     def __init__(self, parameters: Any) -> None:
         self.parameters = parameters
-        self._output = ControllerOutput()
         # The supervision's come last: of records that begin alike numba takes the longer for a kind of the shorter, and
         # warns that it does.
         constants = {**self._own_constants(parameters), **supervision_constants(parameters, self.period_s)}
-        self._constants = record_of(constants)
-        self._first_state = record_of({**self._own_state(), **supervision_state(parameters, self.period_s)})
-        self._state = self._first_state.copy()
+        self._first_state = record_of({**self._own_state(), **supervision_state(parameters, self.period_s)})[0]
+        parts = {"constants": record_of(constants)[0], "state": self._first_state, "output": np.zeros((), OUTPUT)}
+        self._record = record_of(parts)
+        self._output = ControllerOutput(self._record["output"])
 
     @abstractmethod
     def _own_constants(self, parameters: Any) -> dict[str, Any]:
@@ -43,12 +42,8 @@ class CompiledController(ABC):
 
     def reset(self, t_s: float, direction: int) -> None:
         """Forget speeds, wheel ratios, what was done to the brakes and what was learnt."""
-        self._state[:] = self._first_state
-        output = self._output
-        output.valve[:] = FILL
-        output.sand[:] = False
-        output.track_brake = False
-        output.reference_speed_mps = np.nan
+        self._record["state"] = self._first_state
+        self._output.withdraw()
 
     def step(
         self,
@@ -60,9 +55,5 @@ class CompiledController(ABC):
         outside_reference_mps: float,
     ) -> ControllerOutput:
         """One tick of 10 ms, see wsp.controllers.Controller; the same output object is returned each time."""
-        output = self._output
-        output.reference_speed_mps, output.track_brake = self._tick(
-            self._state, self._constants, output.valve, output.sand, axle_speed_mps, valid, demand, direction,
-            outside_reference_mps,
-        )  # fmt: skip
-        return output
+        self._tick(self._record, axle_speed_mps, valid, demand, direction, outside_reference_mps)
+        return self._output

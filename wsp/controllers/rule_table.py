@@ -63,24 +63,22 @@ def _pulsed(s: Record, c: Record, axle: int, action: int) -> int:
 
 @compiled
 def _tick(
-    state: NDArray[np.void],
-    constants: NDArray[np.void],
-    valve: NDArray[np.int8],
-    sand: NDArray[np.bool_],
+    records: NDArray[np.void],
     axle_speed_mps: NDArray[np.float64],
     valid: NDArray[np.bool_],
     demand: float,
     direction: int,
     outside_mps: float,
-) -> tuple[float, bool]:
+) -> None:
     """One tick, see wsp.controllers.compiled_controller."""
-    s, c = state[0], constants[0]
+    s, c, output = records[0].state, records[0].constants, records[0].output
     at_work = observe(s, c, axle_speed_mps, valid, demand, direction, outside_mps)
     for axle in range(AXLES):
         if at_work and sighted(s, axle):
-            valve[axle] = guarded(s, c, axle, _pulsed(s, c, axle, _action(s, c, axle)))
-    command_the_rest(s, c, valve, at_work)
-    return known_reference(s), request(s, c, sand, at_work)
+            output.valve[axle] = guarded(s, c, axle, _pulsed(s, c, axle, _action(s, c, axle)))
+    command_the_rest(s, c, output.valve, at_work)
+    output.reference_speed_mps = known_reference(s)
+    request(s, c, output, at_work)
 
 
 class RuleTable(CompiledController):
