@@ -44,7 +44,7 @@ class Actuation:
     Per wheelset (4,): `brake_torque_nm`, friction torque that the brake can hold, >= 0 (whether it slides or sticks
     comes out of the motion), and `drive_torque_nm`, positive forwards. Per bogie (2,): `track_brake_force_n`, friction
     of its magnets on the rails, >= 0. All three are views of `numbers` (10,). `sanders` (m, 3): rows of
-    `wheel_rail.sanding.Sanders`, at most 8.
+    `wheel_rail.sanding.Sanders`.
     """
 
     def __init__(self, sanders: np.ndarray | None = None) -> None:
@@ -231,9 +231,7 @@ class _Run:
                 if answer is not self._actuation:
                     self._actuation = answer
                     coach["actuation_at"] = address_of(answer.numbers)
-                if answer.sanders.size:
-                    coach["sander_count"] = len(answer.sanders)
-                    coach["sanders"][: len(answer.sanders)] = answer.sanders
+                    coach["sanders_at"], coach["sander_count"] = address_of(answer.sanders), len(answer.sanders)
             self.steps = steps + 1
             condition = begin_step(address, step_s)
             set_parameter(system, "forceVector", force)

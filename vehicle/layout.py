@@ -20,7 +20,6 @@ from wheel_rail.compiled import record_reader
 from wheel_rail.contact import REPORT, WHEEL
 from wheel_rail.lanes import LANES
 from wheel_rail.recovery import CONDITION
-from wheel_rail.sanding import MOST_SANDERS
 
 BODIES = 7  # without axle boxes
 COORDINATES = 46
@@ -87,7 +86,7 @@ COACH = np.dtype(
         ("turned", "f8", (MOST_BODIES, 3)),  # turn coordinates at that rotation
         ("memory", "f8", (2, 4, MEMORY)),  # what each wheel remembers of its friction
         ("passed", "f8", (4,)),  # place up to which each wheelset has left its mark on the rail
-        ("sanders", "f8", (MOST_SANDERS, 3)),  # rows of `Sanders.rows`
+        ("sanders_at", "i8"),  # rows of `Sanders.rows`, so many
         ("sander_count", "i8"),
         ("s", "f8", (5,)),  # place of the wheelsets and of the carbody's centre along the track
         ("capacity", "f8", (4,)),  # friction torque that the brake can hold, Nm

@@ -101,7 +101,8 @@ def _mark_rail(step_s: float, coach: Record, rail: RailTables) -> None:
         for i in range(4):
             for side in range(2):
                 crush_sand(rail, side, coach.passed[i], coach.s[i])
-        lay_sand(rail, coach.sanders[: coach.sander_count], coach.passed, coach.s, step_s)
+        sanders = array_at(coach.sanders_at, (coach.sander_count, 3))
+        lay_sand(rail, sanders, coach.passed, coach.s, step_s)
     for i in range(4):
         coach.passed[i] = coach.s[i]
 
