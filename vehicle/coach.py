@@ -202,7 +202,7 @@ class _Run:
         self._actuation: Actuation | None = None  # kept alive: the coach reads it by its address
         coordinates = int(record[0]["coordinates"])
         force = np.zeros(coordinates)
-        jacobian = np.zeros((coordinates, coordinates))
+        jacobian, columns = np.zeros((2, coordinates, coordinates))
         container = sys.modules["exudyn"].MatrixContainer
 
         def newton_jacobian(
@@ -212,6 +212,7 @@ class _Run:
             if newton:
                 coach["regaining"] = 1.0  # secants: tangents beyond the peak would send iterations to and fro
             coach_jacobian(q, v, factor_q, factor_v, record, jacobian)
+            columns[:] = jacobian.T
             sparse = container()
             sparse.SetWithDenseMatrix(jacobian, False)
             return sparse
@@ -252,7 +253,7 @@ class _Run:
         a = mbs.systemData.GetODE2Coordinates_tt(copy=False)
         coach = record[0]
         coach["solver_at"] = [address_of(array) for array in (q, v, a, force)]
-        coach["jacobian_at"] = address_of(jacobian)
+        coach["jacobian_columns_at"] = address_of(columns)
         coach["track_at"], coach["track_nodes"] = address_of(track), len(track)
         address = address_of(record)
         state = CoachState(q, v, record)

@@ -10,7 +10,7 @@ import math
 from vehicle.layout import CLASSES, MOST_COORDINATES
 from vehicle.parameters import GRAVITY_MPS2
 from vehicle.suspension import add_suspension, body_frames, place_of
-from wheel_rail.adhesion_condition import rail_condition
+from wheel_rail.adhesion_condition import rail_conditions
 from wheel_rail.adhesion_memory import recall_friction
 from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Record, array_at, compiled
@@ -189,9 +189,9 @@ def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailT
         frame = coach.frame[i]
         along = v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5]
         coach.along[i] = along
-        for side in range(2):
-            rail_condition(coach.s[i], side, along, rail, coach.condition[i, side])
-            if rail.memory_distance_m > 0.0:
+        rail_conditions(coach.s[i], along, rail, coach.condition[i])
+        if rail.memory_distance_m > 0.0:
+            for side in range(2):
                 recall_friction(coach.condition[i, side], coach.memory[side, i])
         # torques on the spinning wheelset react on the bogie that carries caliper and gearbox
         torque, coach.stuck[i] = _brake_torque(i, q[spin_at], spin, coach)

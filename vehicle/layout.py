@@ -71,7 +71,7 @@ COACH = np.dtype(
         ("track_origin_m", "f8"),
         # where the arrays of a run stand: q, v, accelerations and forces of the solver, track and rail
         ("solver_at", "i8", (4,)),
-        ("jacobian_at", "i8"),  # the Jacobian in force
+        ("jacobian_columns_at", "i8"),  # the Jacobian in force, column by column
         ("track_at", "i8"),
         ("track_nodes", "i8"),
         # table of the rails' irregularities, its nodes (0 on smooth rails), their first place and spacing

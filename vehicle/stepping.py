@@ -11,7 +11,7 @@ import math
 from vehicle.forces import add_classes, forces_by_class
 from vehicle.layout import ACTUATION, coach_at
 from vehicle.suspension import commit_attitudes, friction_has_changed, place_of
-from wheel_rail.adhesion_condition import rail_condition
+from wheel_rail.adhesion_condition import rail_conditions
 from wheel_rail.adhesion_memory import remember_friction
 from wheel_rail.adhesion_state import RailTables, crush_sand, deposit, rail_of
 from wheel_rail.compiled import Array, Record, array_at, compiled
@@ -86,16 +86,15 @@ def begin_step(address: int, step_s: float) -> int:
 @compiled
 def _mark_rail(step_s: float, coach: Record, rail: RailTables) -> None:
     """What the wheels have done to the rail in the step that has ended: energy left, sand crushed and laid."""
+    power, slide = coach.report[SLIDE_POWER], coach.report[SLIDE_SPEED]
     for i in range(4):
-        for side in range(2):
-            report = coach.report[:, 2 * i + side]
-            deposit(rail, side, coach.passed[i], coach.s[i], step_s * report[SLIDE_POWER])
-            if rail.memory_distance_m > 0.0:
-                condition = coach.condition[i, side]
-                rail_condition(coach.s[i], side, coach.along[i], rail, condition)
+        deposit(rail, coach.passed[i], coach.s[i], step_s * power[2 * i], step_s * power[2 * i + 1])
+        if rail.memory_distance_m > 0.0:
+            rail_conditions(coach.s[i], coach.along[i], rail, coach.condition[i])
+            for side in range(2):
                 remember_friction(
-                    condition, coach.memory[side, i], report[SLIDE_SPEED], step_s, rail.memory_distance_m,
-                    rail.memory_lowest_slip_mps,
+                    coach.condition[i, side], coach.memory[side, i], slide[2 * i + side], step_s,
+                    rail.memory_distance_m, rail.memory_lowest_slip_mps,
                 )  # fmt: skip
     if coach.sander_count > 0:
         for i in range(4):
@@ -161,21 +160,20 @@ def _turn_jacobian(coach: Record, f: Array) -> None:
         return
     cosine = math.sqrt(1.0 - sine * sine)
     n = coach.coordinates
-    jacobian = array_at(coach.jacobian_at, (n, n))
+    columns = array_at(coach.jacobian_columns_at, (n, n))
     d, back, turned = coach.correction, coach.probe_turn[0], coach.probe_turn[1]
     for j in range(n):
         back[j] = d[j]
+        turned[j] = 0.0
     for i in range(coach.bodies):
         at = place_of(i)
         back[at] = cosine * d[at] + sine * d[at + 1]
         back[at + 1] = cosine * d[at + 1] - sine * d[at]
-    for i in range(n):
-        left_as_it_was = now = 0.0
-        for j in range(n):
-            left_as_it_was += jacobian[i, j] * d[j]
-            now += jacobian[i, j] * back[j]
-        f[i] += left_as_it_was
-        turned[i] = now
+    for j in range(n):
+        column, as_it_was, now = columns[j], d[j], back[j]
+        for i in range(n):
+            f[i] += column[i] * as_it_was
+            turned[i] += column[i] * now
     for i in range(coach.bodies):
         at = place_of(i)
         x, y = turned[at], turned[at + 1]

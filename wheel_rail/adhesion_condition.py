@@ -14,7 +14,7 @@ from wheel_rail.adhesion_curves import (
     curtius_kniffler,
 )
 from wheel_rail.adhesion_state import ENERGY_KEPT, SAND_KEPT, RailTables
-from wheel_rail.compiled import Array, compiled
+from wheel_rail.compiled import Array, compiled, inlined
 from wheel_rail.recovery import DEGRADED, ENERGY, MU0, RECOVERED, SAND, TAU
 
 _BACKWARD_MPS = -0.05  # faster backwards than this, a wheel meets what lies behind it
@@ -52,31 +52,32 @@ def _treated(
     return degraded, recovered
 
 
-@compiled
-def rail_condition(s_m: float, side: int, speed_mps: float, rail: RailTables, condition: Array) -> None:
-    """Fill `condition` (CONDITION,) for a wheel at `s_m` on rail `side` (0 left, 1 right) at `speed_mps` (signed).
-
-    Where two kinds of rail meet, they blend over one cell. Energy and sand are those of the rail ahead, which this
-    wheel has not touched: linear between the centres of the next cell and of the one behind it, so that the wheel does
-    not meet its own work, which its force accounts for already.
-    """
-    state = rail.state
-    u = max(s_m / rail.state_cell_m, 0.0)
-    k = int(u)
-    u -= k
-    k += -2 if speed_mps < _BACKWARD_MPS else 1
-    k = min(max(k, 0), state.shape[1] - 2)
-    energy = state[side, k, ENERGY_KEPT] + u * (state[side, k + 1, ENERGY_KEPT] - state[side, k, ENERGY_KEPT])
-    sand = state[side, k, SAND_KEPT] + u * (state[side, k + 1, SAND_KEPT] - state[side, k, SAND_KEPT])
-
-    places, curves = rail.places, rail.curves
+@inlined
+def _places(s_m: float, speed_mps: float, rail: RailTables) -> tuple[int, float, int, float]:
+    """Cell of the rail's state ahead of a wheel at `s_m` and how far on to the next; the same of the line's places."""
+    w = max(s_m / rail.state_cell_m, 0.0)
+    m = int(w)
+    w -= m
+    m += -2 if speed_mps < _BACKWARD_MPS else 1
+    m = min(max(m, 0), rail.state.shape[1] - 2)
     u = max(s_m / rail.cell_m, 0.0)
     k = int(u)
-    last = places.shape[1] - 2
+    last = rail.places.shape[1] - 2
     if k > last:
         k = last
         u = last + 1.0
-    u -= k
+    return m, w, k, u - k
+
+
+@compiled
+def _fill(
+    place: tuple[int, float, int, float], side: int, speed_mps: float, rail: RailTables, condition: Array
+) -> None:
+    """`rail_condition` at what `_places` has found."""
+    m, w, k, u = place
+    state, places, curves = rail.state, rail.places, rail.curves
+    energy = state[side, m, ENERGY_KEPT] + w * (state[side, m + 1, ENERGY_KEPT] - state[side, m, ENERGY_KEPT])
+    sand = state[side, m, SAND_KEPT] + w * (state[side, m + 1, SAND_KEPT] - state[side, m, SAND_KEPT])
     mu0 = places[side, k, 0] + u * (places[side, k + 1, 0] - places[side, k, 0])
     here, there = int(places[side, k, 1]), int(places[side, k + 1, 1])
     for j in range(TAU + 1):
@@ -96,3 +97,22 @@ def rail_condition(s_m: float, side: int, speed_mps: float, rail: RailTables, co
     condition[RECOVERED + MU0] = recovered
     condition[ENERGY] = energy
     condition[SAND] = sand
+
+
+@compiled
+def rail_condition(s_m: float, side: int, speed_mps: float, rail: RailTables, condition: Array) -> None:
+    """Fill `condition` (CONDITION,) for a wheel at `s_m` on rail `side` (0 left, 1 right) at `speed_mps` (signed).
+
+    Where two kinds of rail meet, they blend over one cell. Energy and sand are those of the rail ahead, which this
+    wheel has not touched: linear between the centres of the next cell and of the one behind it, so that the wheel does
+    not meet its own work, which its force accounts for already.
+    """
+    _fill(_places(s_m, speed_mps, rail), side, speed_mps, rail, condition)
+
+
+@compiled
+def rail_conditions(s_m: float, speed_mps: float, rail: RailTables, conditions: Array) -> None:
+    """`rail_condition` for the left and the right wheel of a wheelset: `conditions` (2, CONDITION)."""
+    place = _places(s_m, speed_mps, rail)
+    _fill(place, 0, speed_mps, rail, conditions[0])
+    _fill(place, 1, speed_mps, rail, conditions[1])

@@ -145,13 +145,15 @@ def _cells(length_m: float) -> int:
 
 
 @compiled
-def spread(rail: RailTables, side: int, kept: int, s0_m: float, s1_m: float, amount: float) -> None:
-    """Add `amount` to `state[side, :, kept]`, evenly over the way from s0 to s1, either direction.
+def spread(rail: RailTables, kept: int, s0_m: float, s1_m: float, left: float, right: float) -> None:
+    """Add amounts to `state[:, :, kept]` of the left and the right rail, evenly over the way from s0 to s1, either
+    direction.
 
     The sum of value x cell grows by the amount, whatever the way: at standstill all goes into the cell at s0, and what
     would fall beyond an end of the line into the last cell there. Amounts that are not positive are ignored.
     """
-    if not amount > 0.0:
+    left, right = left if left > 0.0 else 0.0, right if right > 0.0 else 0.0
+    if left + right == 0.0:
         return
     state = rail.state
     cell = rail.state_cell_m
@@ -159,20 +161,22 @@ def spread(rail: RailTables, side: int, kept: int, s0_m: float, s1_m: float, amo
     low = min(max(min(s0_m, s1_m) / cell, 0.0), float(n))
     high = min(max(max(s0_m, s1_m) / cell, 0.0), float(n))
     first, last = min(int(low), n - 1), min(int(high), n - 1)
-    if first == last:
-        state[side, first, kept] += amount / cell
-        return
-    per_cell = amount / (high - low) / cell
-    state[side, first, kept] += (first + 1.0 - low) * per_cell
-    for k in range(first + 1, last):
-        state[side, k, kept] += per_cell
-    state[side, last, kept] += (high - last) * per_cell
+    for side in range(2):
+        amount = left if side == 0 else right
+        if first == last:
+            state[side, first, kept] += amount / cell
+            continue
+        per_cell = amount / (high - low) / cell
+        state[side, first, kept] += (first + 1.0 - low) * per_cell
+        for k in range(first + 1, last):
+            state[side, k, kept] += per_cell
+        state[side, last, kept] += (high - last) * per_cell
 
 
 @compiled
-def deposit(rail: RailTables, side: int, s0_m: float, s1_m: float, energy_j: float) -> None:
-    """What a wheel on rail `side` (0 left, 1 right) dissipated on its way from s0 to s1 stays on the rail."""
-    spread(rail, side, ENERGY_KEPT, s0_m, s1_m, energy_j)
+def deposit(rail: RailTables, s0_m: float, s1_m: float, left_j: float, right_j: float) -> None:
+    """What the wheels of a wheelset dissipated on its way from s0 to s1 stays on their rails."""
+    spread(rail, ENERGY_KEPT, s0_m, s1_m, left_j, right_j)
 
 
 @compiled

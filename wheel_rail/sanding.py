@@ -113,12 +113,6 @@ def work_sanders(address: int, sand: NDArray[np.uint8]) -> None:
 
 
 @compiled
-def spread_sand(rail: RailTables, side: int, s0_m: float, s1_m: float, mass_g: float) -> None:
-    """Lay `mass_g` on rail `side` while the nozzle goes from s0 to s1; at standstill it piles up in one cell."""
-    spread(rail, side, SAND_KEPT, s0_m, s1_m, mass_g)
-
-
-@compiled
 def lay_sand(rail: RailTables, sanders: Array, s0_m: Array, s1_m: Array, step_s: float) -> None:
     """What all sanders (rows of `Sanders.rows`) lay on both rails while wheelset i goes from s0_m[i] to s1_m[i]."""
     for k in range(sanders.shape[0]):
@@ -126,5 +120,5 @@ def lay_sand(rail: RailTables, sanders: Array, s0_m: Array, s1_m: Array, step_s:
         if mass > 0.0:
             i = int(sanders[k, WHEELSET])
             offset = sanders[k, OFFSET]
-            for side in range(2):
-                spread_sand(rail, side, s0_m[i] + offset, s1_m[i] + offset, mass)
+            # at standstill it piles up in one cell
+            spread(rail, SAND_KEPT, s0_m[i] + offset, s1_m[i] + offset, mass, mass)

@@ -127,6 +127,6 @@ CASES = (
             f"drag that no force explains; step {1e3 * step_s:g} ms", "requirement", (-bound_n, bound_n), "N",
             partial(_false_drag_n, step_s),
         )
-        for step_s, bound_n in ((0.005, 8.0), (0.001, 1.6))
+        for step_s, bound_n in ((0.005, 2.0), (0.001, 0.2))
     ),
 )  # fmt: skip

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from tests.wheel_rail.rail_kinds import adhesion, condition_at, fresh, parameters, peak
 from wheel_rail.adhesion_state import SAND_KEPT, STATE_CELL_M, RailState, crush_sand
 from wheel_rail.recovery import ENERGY, SAND
-from wheel_rail.sanding import FLOW, SandEffect, SanderParameters, Sanders, SandingParameters, lay_sand, spread_sand
+from wheel_rail.sanding import FLOW, SandEffect, SanderParameters, Sanders, SandingParameters, lay_sand
 
 LOW = {"surface": "low", "peak_adhesion": 0.05}
 EFFECT = SandEffect(sanded_adhesion=0.15, effective_gpm=3.0, left_share=0.5)
@@ -46,16 +46,20 @@ def test_sand_acts_on_the_recovered_curve_as_well() -> None:
         assert peak(found) == pytest.approx(0.15, rel=1e-6)
 
 
-@given(st.integers(0, 1), st.floats(0.0, 90.0), st.floats(0.0, 5.0), st.floats(0.01, 100.0))
-def test_all_sand_lies_on_the_rail(side: int, s0: float, way: float, mass_g: float) -> None:
+@given(st.integers(0, 3), st.floats(0.0, 90.0), st.floats(0.0, 5.0), st.floats(0.01, 100.0))
+def test_all_sand_lies_on_the_rails(wheelset: int, s0: float, way: float, flow_gps: float) -> None:
+    """What a sander lays in half a second, on either rail."""
     state = RailState(100.0)
-    spread_sand(ADHESION.tables(state), side, s0, s0 + way, mass_g)
-    assert state.sand_gpm[side].sum() * STATE_CELL_M == pytest.approx(mass_g, rel=1e-9)
-    assert state.sand_gpm[1 - side].sum() == 0.0
+    before, after = np.full(4, s0), np.full(4, s0 + way)
+    lay_sand(ADHESION.tables(state), np.array([[float(wheelset), 2.0, flow_gps]]), before, after, 0.5)
+    assert state.sand_gpm.sum(axis=1) * STATE_CELL_M == pytest.approx(np.full(2, 0.5 * flow_gps), rel=1e-9)
+    assert np.all(state.energy_jpm == 0.0)
 
 
 ADHESION = adhesion(parameters(LOW), 100.0, sand=EFFECT)
-spread_sand(ADHESION.tables(RailState(100.0)), 0, 1.0, 2.0, 1.0)  # compiled before hypothesis looks at the time
+lay_sand(
+    ADHESION.tables(RailState(100.0)), np.zeros((1, 3)), np.zeros(4), np.ones(4), 0.5
+)  # compiled before hypothesis looks at the time
 
 
 @pytest.mark.parametrize(("s0", "s1"), [(10.05, 30.05), (30.05, 10.05)])
