@@ -79,7 +79,7 @@ def begin_step(address: int, step_s: float) -> int:
     if aged:
         return AGED
     if coach.steps > 1:
-        _turn_jacobian(coach, f)
+        turn_jacobian(coach, f)
     return FRESH
 
 
@@ -113,7 +113,7 @@ def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
     It is old when the error of a creep slope, times what the slip has moved in the step, makes a false force of 0.03 %
     of the wheel load (this decides the accuracy at the edge of sliding); when a slope times step over effective mass
     has changed by over one half; when a wheel has lifted or landed, a brake has caught or let go, a wheelset regains
-    its grip or has regained it, or the coach has turned by 20 mrad (up to there see `_turn_jacobian`).
+    its grip or has regained it, or the coach has turned by 20 mrad (up to there see `turn_jacobian`).
     """
     aged = False
     radius = coach.contact.radius_m
@@ -147,7 +147,7 @@ def _turned(coach: Record) -> float:
 
 
 @compiled
-def _turn_jacobian(coach: Record, f: Array) -> None:
+def turn_jacobian(coach: Record, f: Array) -> None:
     """Add to the forces what makes up for a Jacobian J of another heading.
 
     The coach has turned by T about the vertical; its Jacobian is now T J T^T (turns and spins count in body axes). The
