@@ -56,9 +56,22 @@ def fill_elements(c: np.void, p: CoachParameters, at: np.ndarray) -> None:
         for wheelset in range(4):
             for side in (1, -1):
                 elements.add_arm_and_bearing(wheelset, side, bogie_share)
+    _turn_once(c)
     c["turns"] = np.any(c["rotational_stiffness"] + c["rotational_damping"] > 0.0, axis=1)
     springs = np.any(c["stiffness"] + c["damping"] > 0.0, axis=1)
     c["pushes"] = springs | np.any(c["damper"] >= 0, axis=1) | np.any(c["stop"] >= 0, axis=1)
+
+
+def _turn_once(c: np.void) -> None:
+    """Let the first of the springs between two bodies have what all of them resist to turning: it knows no place."""
+    first: dict[tuple[int, int], int] = {}
+    for e in range(int(c["elements"])):
+        if not np.any(c["stiffness"][e] + c["damping"][e] > 0.0):
+            continue
+        k = first.setdefault((int(c["upper"][e]), int(c["lower"][e])), e)
+        for name in ("rotational_stiffness", "rotational_damping") if k != e else ():
+            c[name][k] += c[name][e]
+            c[name][e] = 0.0
 
 
 class _Elements:

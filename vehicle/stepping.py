@@ -28,7 +28,7 @@ BETA = 0.25 * (GAMMA + 0.5) ** 2
 
 _STALE_SHARE = 0.0003
 _LARGEST_TURN = 0.02  # sine of the turn up to which the Jacobian is turned with the coach
-_NO_TURN = 1e-6
+_NO_TURN = 1e-5
 
 FRESH, AGED, LOST = range(3)
 
@@ -158,28 +158,31 @@ def turn_jacobian(coach: Record, f: Array) -> None:
     sine = _turned(coach)
     if abs(sine) < _NO_TURN:
         return
-    cosine = math.sqrt(1.0 - sine * sine)
+    less = sine * sine / (1.0 + math.sqrt(1.0 - sine * sine))  # 1 - cosine
     n = coach.coordinates
     columns = array_at(coach.jacobian_columns_at, (n, n))
-    d, back, turned = coach.correction, coach.probe_turn[0], coach.probe_turn[1]
+    # J d - T J T^T d = (J d - T J d) - T J w, w = T^T d - d: but for x and y of the bodies, T changes nothing
+    d, across, rest = coach.correction, coach.probe_turn[0], coach.probe_turn[1]
     for j in range(n):
-        back[j] = d[j]
-        turned[j] = 0.0
-    for i in range(coach.bodies):
-        at = place_of(i)
-        back[at] = cosine * d[at] + sine * d[at + 1]
-        back[at + 1] = cosine * d[at + 1] - sine * d[at]
+        across[j] = rest[j] = 0.0
     for j in range(n):
-        column, as_it_was, now = columns[j], d[j], back[j]
+        column, part = columns[j], d[j]
+        for i in range(coach.bodies):
+            at = place_of(i)
+            across[at] += column[at] * part
+            across[at + 1] += column[at + 1] * part
+    for k in range(coach.bodies):
+        at = place_of(k)
+        wx, wy = sine * d[at + 1] - less * d[at], -sine * d[at] - less * d[at + 1]
         for i in range(n):
-            f[i] += column[i] * as_it_was
-            turned[i] += column[i] * now
+            rest[i] += columns[at, i] * wx + columns[at + 1, i] * wy
     for i in range(coach.bodies):
         at = place_of(i)
-        x, y = turned[at], turned[at + 1]
-        turned[at], turned[at + 1] = cosine * x - sine * y, cosine * y + sine * x
+        x, y = across[at] + rest[at], across[at + 1] + rest[at + 1]
+        f[at] += less * x + sine * y
+        f[at + 1] += less * y - sine * x
     for j in range(n):
-        f[j] -= turned[j]
+        f[j] -= rest[j]
 
 
 @compiled
