@@ -125,7 +125,6 @@ COACH = np.dtype(
         ("old_heading", "f8", (2,)),  # of the carbody, as x and y of its x axis
         # scratch
         ("force", "f8", (CLASSES, MOST_COORDINATES)),
-        ("moment", "f8", (MOST_BODIES, 3)),
         ("probe_element", "f8", (12,)),
         ("probe_map", "f8", (12,)),
         ("wheels", "f8", (WHEEL, LANES)),  # what the contact is given, and its forces

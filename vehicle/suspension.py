@@ -132,67 +132,81 @@ def _relative(q: Array, v: Array, coach: Record, e: int, out: Array) -> None:
 @compiled
 def add_suspension(q: Array, v: Array, coach: Record, f: Array) -> None:
     """Add all element forces to the generalised force `f` (coordinates,); needs `body_frames`."""
-    rel = coach.probe_element
-    moment = coach.moment  # world moments by body, turned into body axes at the end
-    for i in range(coach.bodies):
-        moment[i, 0] = moment[i, 1] = moment[i, 2] = 0.0
-    for e in range(coach.elements):
-        u, w = coach.upper[e], coach.lower[e]
-        ru = coach.rotation[u]
+    e = 0
+    while e < coach.elements:
+        e = _add_between(e, q, v, coach, f)
+
+
+@compiled
+def _add_between(first: int, q: Array, v: Array, coach: Record, f: Array) -> int:
+    """Add the forces of element `first` and of those behind it between the same two bodies; the number of the next.
+
+    What is the same for all of them is worked out once, and everything is summed in the upper body's axes.
+    """
+    u, w = coach.upper[first], coach.lower[first]
+    ru, rw = coach.rotation[u], coach.rotation[w]
+    at_u, at_w = place_of(u), place_of(w)
+    # the lower body in the upper one's axes: its axes, its centre, that one's speed, the rate of turn between them
+    m00 = ru[0, 0] * rw[0, 0] + ru[1, 0] * rw[1, 0] + ru[2, 0] * rw[2, 0]
+    m01 = ru[0, 0] * rw[0, 1] + ru[1, 0] * rw[1, 1] + ru[2, 0] * rw[2, 1]
+    m02 = ru[0, 0] * rw[0, 2] + ru[1, 0] * rw[1, 2] + ru[2, 0] * rw[2, 2]
+    m10 = ru[0, 1] * rw[0, 0] + ru[1, 1] * rw[1, 0] + ru[2, 1] * rw[2, 0]
+    m11 = ru[0, 1] * rw[0, 1] + ru[1, 1] * rw[1, 1] + ru[2, 1] * rw[2, 1]
+    m12 = ru[0, 1] * rw[0, 2] + ru[1, 1] * rw[1, 2] + ru[2, 1] * rw[2, 2]
+    m20 = ru[0, 2] * rw[0, 0] + ru[1, 2] * rw[1, 0] + ru[2, 2] * rw[2, 0]
+    m21 = ru[0, 2] * rw[0, 1] + ru[1, 2] * rw[1, 1] + ru[2, 2] * rw[2, 1]
+    m22 = ru[0, 2] * rw[0, 2] + ru[1, 2] * rw[1, 2] + ru[2, 2] * rw[2, 2]
+    x, y, z = q[at_w] - q[at_u], q[at_w + 1] - q[at_u + 1], q[at_w + 2] - q[at_u + 2]
+    cx = ru[0, 0] * x + ru[1, 0] * y + ru[2, 0] * z
+    cy = ru[0, 1] * x + ru[1, 1] * y + ru[2, 1] * z
+    cz = ru[0, 2] * x + ru[1, 2] * y + ru[2, 2] * z
+    ox, oy, oz = v[at_u + 3], v[at_u + 4], v[at_u + 5]
+    x, y, z = v[at_w] - v[at_u], v[at_w + 1] - v[at_u + 1], v[at_w + 2] - v[at_u + 2]
+    vx = ru[0, 0] * x + ru[1, 0] * y + ru[2, 0] * z - (oy * cz - oz * cy)
+    vy = ru[0, 1] * x + ru[1, 1] * y + ru[2, 1] * z - (oz * cx - ox * cz)
+    vz = ru[0, 2] * x + ru[1, 2] * y + ru[2, 2] * z - (ox * cy - oy * cx)
+    x, y, z = v[at_w + 3], v[at_w + 4], v[at_w + 5]
+    ox, oy, oz = m00 * x + m01 * y + m02 * z - ox, m10 * x + m11 * y + m12 * z - oy, m20 * x + m21 * y + m22 * z - oz
+    force_x = force_y = force_z = 0.0
+    upper_x = upper_y = upper_z = lower_x = lower_y = lower_z = 0.0  # moments about the two centres
+    e = first
+    while e < coach.elements and coach.upper[e] == u and coach.lower[e] == w:
         if coach.pushes[e]:
-            _relative(q, v, coach, e, rel)
-            fx, _, _ = _axis_force(rel[0], rel[3], e, 0, coach)
-            fy, _, _ = _axis_force(rel[1], rel[4], e, 1, coach)
-            fz, _, _ = _axis_force(rel[2], rel[5], e, 2, coach)
+            point, rest = coach.lower_point[e], coach.upper_point[e]
+            x, y, z = point[0], point[1], point[2]
+            ax, ay, az = m00 * x + m01 * y + m02 * z, m10 * x + m11 * y + m12 * z, m20 * x + m21 * y + m22 * z
+            bx, by, bz = cx + ax, cy + ay, cz + az
+            fx, _, _ = _axis_force(bx - rest[0], vx + oy * az - oz * ay, e, 0, coach)
+            fy, _, _ = _axis_force(by - rest[1], vy + oz * ax - ox * az, e, 1, coach)
+            fz, _, _ = _axis_force(bz - rest[2], vz + ox * ay - oy * ax, e, 2, coach)
             fz += coach.preload[e]
-            gx = ru[0, 0] * fx + ru[0, 1] * fy + ru[0, 2] * fz
-            gy = ru[1, 0] * fx + ru[1, 1] * fy + ru[1, 2] * fz
-            gz = ru[2, 0] * fx + ru[2, 1] * fy + ru[2, 2] * fz
-            at_u, at_w = place_of(u), place_of(w)
-            f[at_u] += gx
-            f[at_u + 1] += gy
-            f[at_u + 2] += gz
-            f[at_w] -= gx
-            f[at_w + 1] -= gy
-            f[at_w + 2] -= gz
-            moment[u, 0] += rel[7] * gz - rel[8] * gy
-            moment[u, 1] += rel[8] * gx - rel[6] * gz
-            moment[u, 2] += rel[6] * gy - rel[7] * gx
-            moment[w, 0] -= rel[10] * gz - rel[11] * gy
-            moment[w, 1] -= rel[11] * gx - rel[9] * gz
-            moment[w, 2] -= rel[9] * gy - rel[10] * gx
+            force_x, force_y, force_z = force_x + fx, force_y + fy, force_z + fz
+            upper_x += by * fz - bz * fy
+            upper_y += bz * fx - bx * fz
+            upper_z += bx * fy - by * fx
+            lower_x += ay * fz - az * fy
+            lower_y += az * fx - ax * fz
+            lower_z += ax * fy - ay * fx
         if coach.turns[e]:
-            rw = coach.rotation[w]
-            wu, wl = coach.rate[u], coach.rate[w]
-            sx, sy, sz = wl[0] - wu[0], wl[1] - wu[1], wl[2] - wu[2]
-            tx = ty = tz = 0.0
-            # small relative rotation of the lower body in the upper body's axes, and its rate
-            for axis in range(3):
-                k, c = coach.rotational_stiffness[e, axis], coach.rotational_damping[e, axis]
-                if k == 0.0 and c == 0.0:
-                    continue
-                i, j = (axis + 1) % 3, (axis + 2) % 3
-                x, y, z = ru[0, axis], ru[1, axis], ru[2, axis]
-                angle = 0.5 * (
-                    (ru[0, j] * rw[0, i] - ru[0, i] * rw[0, j])
-                    + (ru[1, j] * rw[1, i] - ru[1, i] * rw[1, j])
-                    + (ru[2, j] * rw[2, i] - ru[2, i] * rw[2, j])
-                )
-                size = k * angle + c * (x * sx + y * sy + z * sz)
-                tx += x * size
-                ty += y * size
-                tz += z * size
-            moment[u, 0] += tx
-            moment[u, 1] += ty
-            moment[u, 2] += tz
-            moment[w, 0] -= tx
-            moment[w, 1] -= ty
-            moment[w, 2] -= tz
-    for i in range(coach.bodies):
-        r = coach.rotation[i]
-        at = place_of(i) + 3
-        for j in range(3):
-            f[at + j] += r[0, j] * moment[i, 0] + r[1, j] * moment[i, 1] + r[2, j] * moment[i, 2]
+            # small relative rotation of the lower body, and its rate
+            stiffness, damping = coach.rotational_stiffness[e], coach.rotational_damping[e]
+            tx = stiffness[0] * 0.5 * (m21 - m12) + damping[0] * ox
+            ty = stiffness[1] * 0.5 * (m02 - m20) + damping[1] * oy
+            tz = stiffness[2] * 0.5 * (m10 - m01) + damping[2] * oz
+            upper_x, upper_y, upper_z = upper_x + tx, upper_y + ty, upper_z + tz
+            lower_x, lower_y, lower_z = lower_x + tx, lower_y + ty, lower_z + tz
+        e += 1
+    for j in range(3):
+        along = ru[j, 0] * force_x + ru[j, 1] * force_y + ru[j, 2] * force_z
+        f[at_u + j] += along
+        f[at_w + j] -= along
+    f[at_u + 3] += upper_x
+    f[at_u + 4] += upper_y
+    f[at_u + 5] += upper_z
+    f[at_w + 3] -= m00 * lower_x + m10 * lower_y + m20 * lower_z
+    f[at_w + 4] -= m01 * lower_x + m11 * lower_y + m21 * lower_z
+    f[at_w + 5] -= m02 * lower_x + m12 * lower_y + m22 * lower_z
+    return e
 
 
 @compiled

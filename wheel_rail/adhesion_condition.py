@@ -69,11 +69,11 @@ def _places(s_m: float, speed_mps: float, rail: RailTables) -> tuple[int, float,
     return m, w, k, u - k
 
 
-@compiled
+@inlined
 def _fill(
     place: tuple[int, float, int, float], side: int, speed_mps: float, rail: RailTables, condition: Array
 ) -> None:
-    """`rail_condition` at what `_places` has found."""
+    """`rail_condition` at what `_places` has found; taken into its callers: handing over tables costs as much."""
     m, w, k, u = place
     state, places, curves = rail.state, rail.places, rail.curves
     energy = state[side, m, ENERGY_KEPT] + w * (state[side, m + 1, ENERGY_KEPT] - state[side, m, ENERGY_KEPT])
@@ -110,7 +110,7 @@ def rail_condition(s_m: float, side: int, speed_mps: float, rail: RailTables, co
     _fill(_places(s_m, speed_mps, rail), side, speed_mps, rail, condition)
 
 
-@compiled
+@inlined
 def rail_conditions(s_m: float, speed_mps: float, rail: RailTables, conditions: Array) -> None:
     """`rail_condition` for the left and the right wheel of a wheelset: `conditions` (2, CONDITION)."""
     place = _places(s_m, speed_mps, rail)

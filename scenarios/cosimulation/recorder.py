@@ -1,7 +1,8 @@
 """Records the co-simulation at its own period into rows that grow, and makes the streams of truth from them."""
 
+import contextlib
+import mmap
 from collections.abc import Iterator
-from mmap import mmap
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from wheel_rail.compiled import Array, Vector, compiled
 from wheel_rail.recovery import offered_adhesion
 
 _BLOCK = 4096
+_HUGE_PAGE = 1 << 21
 _STILL_MPS = 0.1  # below this slip has no meaning and is recorded as zero
 
 _OF_MOTION = ("t_s", "position_m", "speed_mps", "acceleration_mps2", "roll_rad", "pitch_rad", "yaw_rad",
@@ -134,8 +136,16 @@ def _new_block() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _own_pages(dtype: np.dtype) -> np.ndarray:
-    """Rows of zeros in pages of their own, which the system has back with the block; the allocator would keep them."""
-    return np.frombuffer(mmap(-1, _BLOCK * dtype.itemsize), dtype)
+    """Rows of zeros in pages of their own, which the system has back with the block; the allocator would keep them.
+
+    Huge pages where there are any: to be handed one by one, small ones cost as much time as a twentieth of a step.
+    """
+    size = _BLOCK * dtype.itemsize
+    pages = mmap.mmap(-1, -(-size // _HUGE_PAGE) * _HUGE_PAGE, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+    if hasattr(mmap, "MADV_HUGEPAGE"):
+        with contextlib.suppress(OSError):  # a system without them
+            pages.madvise(mmap.MADV_HUGEPAGE)
+    return np.frombuffer(pages, dtype, _BLOCK)
 
 
 @compiled
