@@ -59,9 +59,8 @@ def wheels_on_rails(q: Array, v: Array, coach: Record) -> None:
     """Contact forces of all wheels on their wheelsets, into `coach.force`; needs frames, rotations, rail condition."""
     wheels, rotation = coach.wheels, coach.rotation
     for j in range(3):
-        axle = of_wheelsets(rotation, _WHEELSETS + 3 * j + 1, 9)
         put_row(wheels, PLACE + j, of_wheelsets(q, 18 + j, 6))
-        put_row(wheels, AXLE + j, axle)
+        put_row(wheels, AXLE + j, of_wheelsets(rotation, _WHEELSETS + 3 * j + 1, 9))
         put_row(wheels, VELOCITY + j, of_wheelsets(v, 18 + j, 6))
         x, z = of_wheelsets(rotation, _WHEELSETS + 3 * j, 9), of_wheelsets(rotation, _WHEELSETS + 3 * j + 2, 9)
         put_row(wheels, CARRIER_RATE + j, x * of_wheelsets(v, 21, 6) + z * of_wheelsets(v, 23, 6))
@@ -153,7 +152,7 @@ def _grow_wheels(q: Array, coach: Record) -> None:
 @compiled
 def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailTables) -> None:
     """Fill `coach.force` (CLASSES, coordinates); needs nothing but the state and the step memory of the brake."""
-    body_frames(q, v, coach)
+    body_frames(q, coach)
     force = coach.force
     # the others write to the same places every time
     for k in (SUSPENSION, BRAKE, DRIVE, TRACK_BRAKE):

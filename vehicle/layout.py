@@ -102,7 +102,6 @@ COACH = np.dtype(
         ("correction", "f8", (MOST_COORDINATES,)),  # of the predictor by the solver in the last step, as acceleration
         # worked out in every evaluation
         ("rotation", "f8", (MOST_BODIES, 3, 3)),
-        ("rate", "f8", (MOST_BODIES, 3)),  # angular velocity in the world
         ("frame", "f8", (5, 14)),
         (
             "growth",

@@ -28,7 +28,7 @@ BETA = 0.25 * (GAMMA + 0.5) ** 2
 
 _STALE_SHARE = 0.0003
 _LARGEST_TURN = 0.02  # sine of the turn up to which the Jacobian is turned with the coach
-_NO_TURN = 1e-5
+_NO_TURN = 1e-5  # less is not worth the sums
 
 FRESH, AGED, LOST = range(3)
 

@@ -17,8 +17,8 @@ def place_of(body: int) -> int:
 
 
 @compiled
-def body_frames(q: Array, v: Array, coach: Record) -> None:
-    """Rotation matrices of the bodies at q and their world angular velocities."""
+def body_frames(q: Array, coach: Record) -> None:
+    """Rotation matrices of the bodies at q."""
     for i in range(coach.bodies):
         w, x, y, z = attitude(i, q, coach)
         r = coach.rotation[i]
@@ -31,10 +31,6 @@ def body_frames(q: Array, v: Array, coach: Record) -> None:
         r[2, 0] = 2.0 * (x * z - w * y)
         r[2, 1] = 2.0 * (y * z + w * x)
         r[2, 2] = 1.0 - 2.0 * (x * x + y * y)
-        at = place_of(i)
-        x, y, z = v[at + 3], v[at + 4], v[at + 5]
-        for j in range(3):
-            coach.rate[i, j] = r[j, 0] * x + r[j, 1] * y + r[j, 2] * z
 
 
 @compiled
@@ -106,6 +102,17 @@ def _axis_force(deflection: float, speed: float, element: int, axis: int, coach:
 
 
 @inlined
+def _world_rate(rotation: Array, v: Array, at: int) -> tuple[float, float, float]:
+    """Angular velocity in the world of the body whose coordinates begin at `at`."""
+    x, y, z = v[at + 3], v[at + 4], v[at + 5]
+    return (
+        rotation[0, 0] * x + rotation[0, 1] * y + rotation[0, 2] * z,
+        rotation[1, 0] * x + rotation[1, 1] * y + rotation[1, 2] * z,
+        rotation[2, 0] * x + rotation[2, 1] * y + rotation[2, 2] * z,
+    )
+
+
+@inlined
 def _relative(q: Array, v: Array, coach: Record, e: int, out: Array) -> None:
     """Deflection (3), its speed (3), lever arms of the lower point on upper (3) and lower (3) body: `out` (12,)."""
     u, w = coach.upper[e], coach.lower[e]
@@ -117,7 +124,7 @@ def _relative(q: Array, v: Array, coach: Record, e: int, out: Array) -> None:
     az = rw[2, 0] * a + rw[2, 1] * b + rw[2, 2] * c
     at_u, at_w = place_of(u), place_of(w)
     bx, by, bz = q[at_w] + ax - q[at_u], q[at_w + 1] + ay - q[at_u + 1], q[at_w + 2] + az - q[at_u + 2]
-    wu, wl = coach.rate[u], coach.rate[w]
+    wu, wl = _world_rate(ru, v, at_u), _world_rate(rw, v, at_w)
     sx = v[at_w] - v[at_u] + wl[1] * az - wl[2] * ay - (wu[1] * bz - wu[2] * by)
     sy = v[at_w + 1] - v[at_u + 1] + wl[2] * ax - wl[0] * az - (wu[2] * bx - wu[0] * bz)
     sz = v[at_w + 2] - v[at_u + 2] + wl[0] * ay - wl[1] * ax - (wu[0] * by - wu[1] * bx)

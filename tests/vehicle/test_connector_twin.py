@@ -56,7 +56,7 @@ class Compiled:
             for side in (SUPPORT_HALF_M, -SUPPORT_HALF_M):
                 arm = rotation @ np.array([0.0, side, 0.0])
                 stretch = self.q[at] + arm - self.centres[i] - np.array([0.0, side, 0.0])
-                rate = self.v[at] + np.cross(coach["rate"][i], arm)
+                rate = self.v[at] + np.cross(rotation @ self.v[6 * i + 3 : 6 * i + 6], arm)
                 force = -SUPPORT_NPM * stretch - SUPPORT_NSPM * rate
                 force[2] += self.parameters.static_wheel_load_n
                 f[at] += force

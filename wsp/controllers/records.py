@@ -1,7 +1,7 @@
 """Named numbers for compiled code: a controller's constants and its state are parts of one record of numpy.
 
-An array argument costs a compiled function some 0.1 us and every number of its own as much again; a record costs 0.4 us
-once. A controller adds its fields to those of `wsp.controllers.supervision`; compiled code reads `c.cut_off_mps` and
+Every argument of a compiled function costs a little at each call, so that many numbers come as one record. A controller
+adds its fields to those of `wsp.controllers.supervision`; compiled code reads `c.cut_off_mps` and
 writes `s.speed_mps[axle]`.
 """
 
