@@ -109,7 +109,20 @@ def uic60() -> np.ndarray:
 
     Tangent arcs R300 to |y| = 10.25, R80 to 26.05, R13 beyond, then the head's side at 1:20 to 25 mm below the top.
     """
-    ends, radii = (0.0, 10.25, 26.05), (300.0, 80.0, 13.0)
+    return _upright_head(10.25, 26.05)
+
+
+def uic60_en15302() -> np.ndarray:
+    """Head of UIC60 with the wider crown of EN 15302's rail A (UIC 519), upright; turned by 0.05 rad it is that rail.
+
+    Tangent arcs R300 to |y| = 10.5, R80 to 25.988, then R13 that meets the head's side, at 1:20, 36 mm from the middle.
+    """
+    return _upright_head(10.5, 25.988)
+
+
+def _upright_head(crown_mm: float, shoulder_mm: float) -> np.ndarray:
+    """Tangent arcs R300 to |y| = `crown_mm`, R80 to `shoulder_mm`, R13 beyond, then the side at 1:20."""
+    ends, radii = (0.0, crown_mm, shoulder_mm), (300.0, 80.0, 13.0)
     # each centre lies on the line through the arc before's centre and the common point
     centre_y, centre_z = 0.0, radii[0]
     half: list[Piece] = []

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from wheel_rail.profile_files import read_profile_points
-from wheel_rail.profile_shapes import en15302_rail_a, en15302_wheel_a, s1002, uic60
+from wheel_rail.profile_shapes import en15302_rail_a, en15302_wheel_a, s1002, uic60, uic60_en15302
 
 NODE_M = 5e-5  # spacing of the nodes along the curve
 SMOOTHING_M = 2.5e-4  # well below the length of a contact patch (about 1e-2 m), well above the spacing of the nodes
@@ -126,4 +126,8 @@ def _points(name: str, table: dict[str, Callable[[], np.ndarray]], kind: str) ->
 
 
 WHEEL_PROFILES: dict[str, Callable[[], np.ndarray]] = {"s1002": s1002, "en15302-a": en15302_wheel_a}
-RAIL_PROFILES: dict[str, Callable[[], np.ndarray]] = {"uic60": uic60, "en15302-a": en15302_rail_a}
+RAIL_PROFILES: dict[str, Callable[[], np.ndarray]] = {
+    "uic60": uic60,
+    "uic60-en15302": uic60_en15302,
+    "en15302-a": en15302_rail_a,
+}

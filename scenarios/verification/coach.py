@@ -33,7 +33,8 @@ RECOVERING = "recovery='low-recovering', peak_adhesion=0.07"
 PARKED_GRADIENT_PERMILLE, PARKED_S = 20.0, 60.0
 _ELASTIC = (
     "the coach's table is that of an elastic contact, a mean over a patch a centimetre wide; with vanishing "
-    "penetration its figure goes to the 0.177 of the rigid profiles"
+    "penetration its figure goes to the 0.177 of the rigid profiles; the published figure is that of a wheelset kept "
+    "level on a crown of R300 wider by 0.5 mm"
 )
 
 
@@ -179,7 +180,7 @@ def _conicity() -> float:
 def _published_conicity() -> float:
     """That of the profiles, inclination and gauge of the coach."""
     profiles = _parameters().contact.profiles
-    for slope, gauge_mm, published, _ in CONICITIES:
+    for slope, gauge_mm, published in CONICITIES:
         if profiles is not None and (1.0 / slope, gauge_mm) == (profiles.rail_inclination, 1e3 * profiles.gauge_m):
             return published
     raise ValueError("no figure is published for the rails on which this coach runs")

@@ -25,7 +25,7 @@ def write_pictures(folder: Path) -> list[tuple[str, str]]:
     slope, gauge_mm = 40, 1435.0
     # the trailing wheel is the left one of a wheelset displaced to the other side
     places = [(-y if wheel == TRAILING else y, place) for y, wheel, place, *_ in A22_CONTACTS]
-    conicity = [(3.0, figure) for s, gauge, figure, _ in CONICITIES if (s, gauge) == (slope, gauge_mm)]
+    conicity = [(3.0, figure) for s, gauge, figure in CONICITIES if (s, gauge) == (slope, gauge_mm)]
     sheet = CreepSheet(
         LOAD_N,
         tractcurv_patch(),

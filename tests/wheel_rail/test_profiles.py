@@ -63,6 +63,19 @@ def test_uic60_has_its_radii_and_width() -> None:
     assert gauge_point_y_m(rail) == pytest.approx(-0.036, abs=2e-5)
 
 
+def test_the_standards_rail_a_is_its_uic60_turned_by_a_twentieth() -> None:
+    """Laid upon each other by the centres of the crowns, which are not moved by a wrong width of the crown."""
+    drawn = RAIL_PROFILES["en15302-a"]()
+    y, z = RAIL_PROFILES["uic60-en15302"]().T
+    c, s = np.cos(0.05), np.sin(0.05)
+    y, z = c * y + s * z, c * z - s * y
+    # the crown's centre stands 300 mm below the top of the upright head; that of rail A is in the standard
+    y, z = y + 17.5966 - 300.0 * s, z + 299.48349 - 300.0 * c
+    error = np.abs(np.interp(drawn[:, 0], y, z) - drawn[:, 1])
+    assert np.max(error[(drawn[:, 0] > -23.0) & (drawn[:, 0] < 28.5)]) < 1e-4  # mm; with a crown of 10.25 mm 0.04
+    assert np.max(error[(drawn[:, 0] > -32.5) & (drawn[:, 0] < 39.0)]) < 2e-3  # the flanks are steep
+
+
 @pytest.mark.parametrize("inclination", [0.0, 1 / 40, 1 / 20])
 def test_an_inclined_rail_leans_towards_the_track(inclination: float) -> None:
     rail = rail_profile("uic60", inclination)
