@@ -40,7 +40,7 @@ class Curve(BaseModel):
 
     start_m: float = Field(ge=0.0, description="begin of the first transition")
     joins_previous: bool = Field(default=False, description="comes from the curve before, not from straight track")
-    end_m: float | None = Field(default=None, description="end of the second transition")
+    end_m: float | None = Field(default=None, description="end of the second transition, or of the circle without one")
     length_m: float | None = Field(default=None, ge=0.0, description="of the circular part")
     radius_m: float = Field(description="positive to the left, negative to the right")
     transition_m: float | None = Field(default=None, gt=0.0, description="length of both transitions")
@@ -69,18 +69,17 @@ class Curve(BaseModel):
                 f"curve, {self.last_m - self.start_m:g} m"
             )
         if not self.joins_previous:
-            self._check_ramp("in", self.ramp_in_m, 0.0)
+            self._check_ramp("in", self.ramp_in_m, self.cant_mm)
         if self.exit_m > 0.0:
-            self._check_ramp("out", self.ramp_out_m, 0.0)
+            self._check_ramp("out", self.ramp_out_m, self.cant_mm)
         return self
 
-    def _check_ramp(self, name: str, ramp_m: float, other_cant_mm: float, key: str = "") -> None:
-        steepness = abs(self.cant_mm - other_cant_mm) * TRANSITIONS[self.transition_kind].steepest / ramp_m
+    def _check_ramp(self, name: str, ramp_m: float, change_mm: float, key: str = "") -> None:
+        steepness = abs(change_mm) * TRANSITIONS[self.transition_kind].steepest / ramp_m
         if steepness > STEEPEST_RAMP_MMPM:
-            joint = f" from the {other_cant_mm:g} mm of the curve before" if self.joins_previous and name == "in" else ""
             raise ValueError(
-                f"{key}cant_mm = {self.cant_mm}: its ramp {name}, {ramp_m:g} m{joint}, is too steep: "
-                f"{steepness:.2f} mm/m, at most {STEEPEST_RAMP_MMPM:g}"
+                f"{key}cant_mm = {self.cant_mm}: its ramp {name}, {ramp_m:g} m, is too steep: {steepness:.2f} mm/m, at "
+                f"most {STEEPEST_RAMP_MMPM:g}"
             )
 
     def check_joint(self, before: "Curve", key: str) -> None:
@@ -108,7 +107,8 @@ class Curve(BaseModel):
                 f"{key}.cant_ramp_in_m = {self.ramp_in_m}: begins at {ramp_begin_m:g}, where the curve before has not "
                 f"all of its cant yet; at most {self.circle_start_m - before.circle_start_m:g}"
             )
-        self._check_ramp("in", self.ramp_in_m, before.cant_mm, f"{key}.")
+        name = f"in from the {before.cant_mm:g} mm before"
+        self._check_ramp(name, self.ramp_in_m, self.cant_mm - before.cant_mm, f"{key}.")
 
     @property
     def entry_m(self) -> float:
