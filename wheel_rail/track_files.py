@@ -5,6 +5,10 @@ The first line names the columns, which are the keys of the entries in a scenari
     start_m,end_m,radius_m,transition_in_m,transition_out_m,transition_kind,cant_mm
     250,900,1200,100,80,bloss,100
 
+    start_m,joins_previous,transition_in_m,length_m,transition_out_m,radius_m
+    1500,,100,450,,1200
+    2050,true,80,300,80,700
+
     from_m,gradient_permille,rounding_m
     1200,-5,100
 

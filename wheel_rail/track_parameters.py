@@ -21,10 +21,15 @@ STEEPEST_GRADIENT_PERMILLE = 100.0
 STEEPEST_RAMP_MMPM = 5.0  # twice what lines are built with
 TIGHTEST_VERTICAL_M = 300.0  # the hump of a marshalling yard
 USUAL_ROUNDING_M = 50.0
+JOINT_GAP_M = 1e-6  # between curves that join: what the rounding of their lengths may leave
 
 
 class Curve(BaseModel):
     """A circular curve between two transitions; cant grows and falls with them.
+
+    A curve that `joins_previous` begins where the circular part of the curve before ends: its first transition and
+    cant ramp lead from that curve's radius and cant to its own (compound curve, or reverse curve through curvature
+    zero), and that curve has a first transition alone.
 
     Its length is given by `length_m` or `end_m`, its transitions by `transition_m` or one by one. Cant ramps are as
     long and of the same kind as the transitions; one with a length of its own ends (begins) where the circular part
@@ -34,7 +39,8 @@ class Curve(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     start_m: float = Field(ge=0.0, description="begin of the first transition")
-    end_m: float | None = Field(default=None, description="end of the second transition")
+    joins_previous: bool = Field(default=False, description="comes from the curve before, not from straight track")
+    end_m: float | None = Field(default=None, description="end of the second transition, or of the circle without one")
     length_m: float | None = Field(default=None, ge=0.0, description="of the circular part")
     radius_m: float = Field(description="positive to the left, negative to the right")
     transition_m: float | None = Field(default=None, gt=0.0, description="length of both transitions")
@@ -47,11 +53,9 @@ class Curve(BaseModel):
 
     @model_validator(mode="after")
     def _is_a_railway_curve(self) -> Self:
-        one_by_one = self.transition_in_m is not None and self.transition_out_m is not None
-        neither = self.transition_in_m is None and self.transition_out_m is None
-        if one_by_one if self.transition_m is not None else not one_by_one:
+        if self.transition_m is None and self.transition_in_m is None:
             raise ValueError("transition_m: it, or both transition_in_m and transition_out_m, must be given")
-        if self.transition_m is not None and not neither:
+        if self.transition_m is not None and (self.transition_in_m or self.transition_out_m):
             raise ValueError("transition_m: stands for both; leave out transition_in_m and transition_out_m")
         if (self.length_m is None) == (self.end_m is None):
             raise ValueError("length_m: either it (of the circular part) or end_m (of the whole curve) must be given")
@@ -64,14 +68,47 @@ class Curve(BaseModel):
                 f"end_m = {self.end_m}: the transitions, {self.entry_m:g} + {self.exit_m:g} m, are longer than the "
                 f"curve, {self.last_m - self.start_m:g} m"
             )
-        for name, ramp_m in (("in", self.ramp_in_m), ("out", self.ramp_out_m)):
-            steepness = abs(self.cant_mm) * TRANSITIONS[self.transition_kind].steepest / ramp_m
-            if steepness > STEEPEST_RAMP_MMPM:
-                raise ValueError(
-                    f"cant_mm = {self.cant_mm}: its ramp {name}, {ramp_m:g} m, is too steep: {steepness:.2f} mm/m, at "
-                    f"most {STEEPEST_RAMP_MMPM:g}"
-                )
+        if not self.joins_previous:
+            self._check_ramp("in", self.ramp_in_m, self.cant_mm)
+        if self.exit_m > 0.0:
+            self._check_ramp("out", self.ramp_out_m, self.cant_mm)
         return self
+
+    def _check_ramp(self, name: str, ramp_m: float, change_mm: float, key: str = "") -> None:
+        steepness = abs(change_mm) * TRANSITIONS[self.transition_kind].steepest / ramp_m
+        if steepness > STEEPEST_RAMP_MMPM:
+            raise ValueError(
+                f"{key}cant_mm = {self.cant_mm}: its ramp {name}, {ramp_m:g} m, is too steep: {steepness:.2f} mm/m, at "
+                f"most {STEEPEST_RAMP_MMPM:g}"
+            )
+
+    def check_joint(self, before: "Curve", key: str) -> None:
+        """Raise ValueError if it cannot join the curve `before`; `key` is its own, for messages."""
+        if before.exit_m > 0.0:
+            raise ValueError(
+                f"{key}.joins_previous = true: the curve before has a transition out, {before.exit_m:g} m long; it "
+                "needs transition_in_m alone"
+            )
+        if before.cant_ramp_out_m is not None:
+            raise ValueError(
+                f"{key}.joins_previous = true: the curve before has cant_ramp_out_m = {before.cant_ramp_out_m}; leave "
+                "it out, the ramp between the two is that of cant_ramp_in_m here"
+            )
+        gap_m = self.start_m - before.circle_end_m
+        if abs(gap_m) > JOINT_GAP_M:
+            raise ValueError(
+                f"{key}.start_m = {self.start_m}: {'a gap of' if gap_m > 0.0 else 'overlaps by'} {abs(gap_m):.6g} m; a "
+                f"curve that joins the one before must begin where the circular part of that ends, at "
+                f"{before.circle_end_m:.12g}"
+            )
+        ramp_begin_m = self.circle_start_m - self.ramp_in_m
+        if ramp_begin_m < before.circle_start_m - JOINT_GAP_M:
+            raise ValueError(
+                f"{key}.cant_ramp_in_m = {self.ramp_in_m}: begins at {ramp_begin_m:g}, where the curve before has not "
+                f"all of its cant yet; at most {self.circle_start_m - before.circle_start_m:g}"
+            )
+        name = f"in from the {before.cant_mm:g} mm before"
+        self._check_ramp(name, self.ramp_in_m, self.cant_mm - before.cant_mm, f"{key}.")
 
     @property
     def entry_m(self) -> float:
@@ -80,7 +117,7 @@ class Curve(BaseModel):
 
     @property
     def exit_m(self) -> float:
-        """Length of the second transition."""
+        """Length of the second transition; 0 without one, where the next curve joins."""
         return self.transition_m if self.transition_m is not None else self.transition_out_m or 0.0
 
     @property
@@ -175,6 +212,8 @@ class TrackParameters(BaseModel):
                 if read.get(key):
                     raise ValueError(f"{key}_file = {name}: leave out {key} (or set it to []), or the file")
                 read[key] = read_entries(name, f"{key}_file", model)
+                if key == "curves":
+                    check_order(read[key], f"curves_file = {name}: ")
                 del read[f"{key}_file"]
             elif isinstance(read.get(key), list):
                 read[key] = tuple(read[key])  # strict validation takes no list from here on
@@ -182,15 +221,7 @@ class TrackParameters(BaseModel):
 
     @model_validator(mode="after")
     def _nothing_overlaps(self) -> Self:
-        end, last_m = 0.0, 0.0
-        for k, curve in enumerate(self.curves):
-            start, reaches_m = curve.reach_m
-            if start < end - 1e-9:
-                raise ValueError(
-                    f"curves.{k}.start_m = {curve.start_m}: the curve with its cant ramps begins at {start:g} and "
-                    f"overlaps {f'the curve before, which ends at {end:g}' if k else 'the begin of the line'}"
-                )
-            end = last_m = reaches_m
+        last_m = check_order(self.curves)
         if last_m > self.length_m:
             raise ValueError(f"curves: reach to {last_m} m, beyond length_m = {self.length_m}")
         end = 0.0
@@ -224,6 +255,30 @@ class TrackParameters(BaseModel):
                 length = (change.vertical_radius_m or 0.0) * abs(after - before)
             yield change.from_m - 0.5 * length, change.from_m + 0.5 * length, before, after
             before = after
+
+
+def check_order(curves: Sequence[Curve], place: str = "") -> float:
+    """Where the last of the curves ends (m). Raises ValueError, with `place` in front, if they do not fit together."""
+    end_m = 0.0
+    for k, curve in enumerate(curves):
+        key = f"{place}curves.{k}"
+        start_m, reaches_m = curve.reach_m
+        if curve.joins_previous:
+            if k == 0:
+                raise ValueError(f"{key}.joins_previous = true: there is no curve before the first")
+            curve.check_joint(curves[k - 1], key)
+        elif start_m < end_m - 1e-9:
+            raise ValueError(
+                f"{key}.start_m = {curve.start_m}: the curve with its cant ramps begins at {start_m:g} and "
+                f"overlaps {f'the curve before, which ends at {end_m:g}' if k else 'the begin of the line'}"
+            )
+        if curve.exit_m == 0.0 and not (k + 1 < len(curves) and curves[k + 1].joins_previous):
+            raise ValueError(
+                f"{key}.transition_m: it, or both transition_in_m and transition_out_m, must be given; "
+                "transition_in_m alone where the next curve has joins_previous = true"
+            )
+        end_m = reaches_m
+    return end_m
 
 
 def curve_ends(curves: Sequence[Curve]) -> list[float]:

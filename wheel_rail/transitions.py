@@ -1,8 +1,8 @@
-"""Transition curves by name: how curvature and cant grow from nothing to their full value.
+"""Transition curves by name: how curvature and cant grow from nothing to their full value, or pass from one to another.
 
-`share(u)` is the part of the full value at the part u = 0..1 of the length, `turned(u)` its integral from 0, which is
+`share(u)` is the part of the change at the part u = 0..1 of the length, `turned(u)` its integral from 0, which is
 what the heading needs, `steepest` the largest slope of `share`. All rise as they fall: share(u) + share(1 - u) = 1,
-so that turned(1) = 1/2 whatever the kind.
+so that turned(1) = 1/2 whatever the kind, and one curve may fall as the next rises.
 """
 
 import math

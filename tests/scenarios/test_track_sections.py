@@ -67,6 +67,16 @@ def test_bad_line_files_are_told_with_scenario_key_file_and_line(write: Write, t
     assert told in refusal(path)
 
 
+def test_curves_of_a_file_that_do_not_meet_are_told_with_scenario_file_and_key(write: Write, tmp_path: Path) -> None:
+    file = tmp_path / "curves.csv"
+    rows = "start_m,joins_previous,radius_m,transition_in_m,transition_out_m,length_m\n250,,900,80,,300\n"
+    file.write_text(rows + "640,true,-600,90,90,200\n", encoding="utf-8")
+    path = write('[track]\ncurves = []\ncurves_file = "curves.csv"\n')
+    assert f"{path}: track.curves_file = {file}: curves.1.start_m = 640.0: a gap of 10 m" in refusal(path)
+    file.write_text(rows + "630,true,-600,90,90,200\n", encoding="utf-8")
+    assert [curve.joins_previous for curve in load_scenario(path).track.curves] == [False, True]
+
+
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
@@ -74,6 +84,8 @@ def test_bad_line_files_are_told_with_scenario_key_file_and_line(write: Write, t
         ("track.curves.0.cant_mm=230", "track.curves.0.cant_mm = 230.0: at most 200 mm"),
         ("track.curves.0.transition_m=15", "track.curves.0.cant_mm = 100.0: its ramp in, 15 m, is too steep"),
         ("track.curves.0.transition_kind='wiener'", "track.curves.0.transition_kind = \"wiener\": must be 'clothoid'"),
+        ("track.curves.0.joins_previous=true", "track.curves.0.joins_previous = true: there is no curve before the"),
+        ("track.curves.0.joins_previous='yes'", 'track.curves.0.joins_previous = "yes": must be a valid boolean'),
         ("track.gradients.0.gradient_permille=120", "track.gradients.0.gradient_permille = 120"),
         ("track.gradients.0.rounding_m=1", "track.gradients.0.rounding_m = 1: too short for a change of -5 per mille"),
         ("track.length_m=800", "track.curves: reach to 900.0 m, beyond length_m = 800"),
