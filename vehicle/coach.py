@@ -23,6 +23,7 @@ import numpy as np
 
 from vehicle.exudyn_system import assemble, load_exudyn, solver_settings
 from vehicle.forces import coach_force
+from vehicle.implicit import room_for_response
 from vehicle.jacobian import coach_jacobian
 from vehicle.layout import ACTUATION, SPIN
 from vehicle.observation import OBSERVATION, observe
@@ -31,7 +32,7 @@ from vehicle.start import start_state
 from vehicle.stepping import FRESH, LOST, begin_step
 from wheel_rail import Contact, Track
 from wheel_rail.adhesion_state import RailTables
-from wheel_rail.compiled import address_of
+from wheel_rail.compiled import address_of, aligned
 
 
 class SolverFailure(RuntimeError):
@@ -62,7 +63,7 @@ class CoachState:
     """
 
     def __init__(self, q: np.ndarray, v: np.ndarray, record: np.ndarray) -> None:
-        self._watching = record.copy()
+        self._watching = aligned(record)
         self.addresses = address_of(record), address_of(self._watching)
         self._velocity = v[:3]
         self._place = record["s"][0]
@@ -173,7 +174,7 @@ class Coach:
             step_s=step_s,
             exudyn_build=exu.config.Version(True),
             steps=run.steps,
-            jacobians=run.jacobians,
+            jacobians=int(record[0]["jacobians"]),
         )
 
 
@@ -195,27 +196,13 @@ class _Run:
     ) -> None:
         self.t_s = 0.0
         self.steps = 0
-        self.jacobians = 0
         self._raised: BaseException | None = None
         self._lost: str | None = None
         self._step_s = step_s
         self._actuation: Actuation | None = None  # kept alive: the coach reads it by its address
         coordinates = int(record[0]["coordinates"])
         force = np.zeros(coordinates)
-        jacobian, columns = np.zeros((2, coordinates, coordinates))
-        container = sys.modules["exudyn"].MatrixContainer
-
-        def newton_jacobian(
-            _mbs: Any, _t: float, _item: int, _q: np.ndarray, _v: np.ndarray, factor_q: float, factor_v: float
-        ) -> Any:
-            self.jacobians += 1
-            if newton:
-                coach["regaining"] = 1.0  # secants: tangents beyond the peak would send iterations to and fro
-            coach_jacobian(q, v, factor_q, factor_v, record, jacobian)
-            columns[:] = jacobian.T
-            sparse = container()
-            sparse.SetWithDenseMatrix(jacobian, False)
-            return sparse
+        self._response = response = room_for_response(coordinates)  # read by its address
 
         def pre_step(_mbs: Any, _end_s: float) -> bool:
             steps = self.steps
@@ -234,26 +221,29 @@ class _Run:
                     coach["actuation_at"] = address_of(answer.numbers)
                     coach["sanders_at"], coach["sander_count"] = address_of(answer.sanders), len(answer.sanders)
             self.steps = steps + 1
-            condition = begin_step(address, step_s)
+            try:
+                condition = begin_step(address, step_s)
+            except np.linalg.LinAlgError:
+                self._lost = f"the linearised step has no solution at t = {steps * step_s:.4f} s"
+                return False
             set_parameter(system, "forceVector", force)
             if condition != FRESH:
                 if condition == LOST:
                     self._lost = f"state or actuation not finite at t = {steps * step_s:.4f} s"
                     return False
-                convergence = solver.conv
+                convergence = solver.conv  # of a solver that iterates
                 convergence.jacobianUpdateRequested = True
                 solver.conv = convergence
             return True
 
         set_parameter = mbs.SetObjectParameter
-        set_parameter(system, "jacobianUserFunction", newton_jacobian)
         mbs.Assemble()
         q = mbs.systemData.GetODE2Coordinates(copy=False)
         v = mbs.systemData.GetODE2Coordinates_t(copy=False)
         a = mbs.systemData.GetODE2Coordinates_tt(copy=False)
         coach = record[0]
         coach["solver_at"] = [address_of(array) for array in (q, v, a, force)]
-        coach["jacobian_columns_at"] = address_of(columns)
+        coach["response_at"], coach["iterates"] = address_of(response), newton
         coach["track_at"], coach["track_nodes"] = address_of(track), len(track)
         address = address_of(record)
         state = CoachState(q, v, record)
@@ -262,13 +252,29 @@ class _Run:
         set_parameter(system, "forceVector", force)
         mbs.SetPreStepUserFunction(pre_step)
 
+        if not newton:
+            return
+
+        jacobian = np.zeros((coordinates, coordinates))
+        container = sys.modules["exudyn"].MatrixContainer
+
+        def newton_jacobian(
+            _mbs: Any, _t: float, _item: int, _q: np.ndarray, _v: np.ndarray, factor_q: float, factor_v: float
+        ) -> Any:
+            coach["jacobians"] += 1
+            coach["regaining"] = 1.0  # secants: tangents beyond the peak would send iterations to and fro
+            coach_jacobian(q, v, factor_q, factor_v, record, jacobian)
+            sparse = container()
+            sparse.SetWithDenseMatrix(jacobian, False)
+            return sparse
+
         def pre_residual(_mbs: Any, _t: float, _iteration: int, _discontinuous: int) -> bool:
             coach_force(q, v, force, record, track, rail)
             set_parameter(system, "forceVector", force)
             return True
 
-        if newton:
-            mbs.SetPreNewtonResidualUserFunction(pre_residual)
+        set_parameter(system, "jacobianUserFunction", newton_jacobian)
+        mbs.SetPreNewtonResidualUserFunction(pre_residual)
 
     def raise_what_happened(self, reached: bool) -> None:
         """Raise what a callback raised, or SolverFailure when the integration broke off by itself."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vehicle.layout import masses
-from vehicle.stepping import SPECTRAL_RADIUS
+from vehicle.implicit import SPECTRAL_RADIUS
 
 
 def load_exudyn() -> ModuleType:

@@ -29,7 +29,12 @@ from wheel_rail.contact import (
 @compiled
 def coach_jacobian(q: Array, v: Array, factor_q: float, factor_v: float, record: Record, jacobian: Array) -> None:
     """Fill `jacobian` (square); q, v (coordinates,) and the record are those of the last evaluation of the forces."""
-    coach = record[0]
+    fill_jacobian(q, v, factor_q, factor_v, record[0], jacobian)
+
+
+@compiled
+def fill_jacobian(q: Array, v: Array, factor_q: float, factor_v: float, coach: Record, jacobian: Array) -> None:
+    """As `coach_jacobian`, for compiled code."""
     jacobian[:, :] = 0.0
     add_suspension_jacobian(q, v, coach, factor_q, factor_v, jacobian)
     for i in range(4):
@@ -42,7 +47,6 @@ def coach_jacobian(q: Array, v: Array, factor_q: float, factor_v: float, record:
                 _add_contact(i, report, v[42 + i], factor_q, factor_v, coach, jacobian)
         _add_flange(i, q, factor_q, coach, jacobian)
         _add_spin(i, v, factor_q, factor_v, coach, jacobian)
-    coach.old_heading[0], coach.old_heading[1] = coach.rotation[0, 0, 0], coach.rotation[0, 1, 0]
     frame = coach.frame[4]
     speed = abs(v[0] * frame[3] + v[1] * frame[4] + v[2] * frame[5])
     fall = 1.0 - math.tanh(speed / 0.1) ** 2

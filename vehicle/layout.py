@@ -16,7 +16,7 @@ from vehicle.wheels import MOST_HARMONICS
 from wheel_rail import CONTACT, Contact
 from wheel_rail.adhesion_memory import MEMORY
 from wheel_rail.adhesion_state import RAIL
-from wheel_rail.compiled import record_reader
+from wheel_rail.compiled import aligned, record_reader
 from wheel_rail.contact import REPORT, WHEEL
 from wheel_rail.lanes import LANES
 from wheel_rail.recovery import CONDITION
@@ -26,11 +26,18 @@ COORDINATES = 46
 SPIN = 42  # first spin coordinate
 MOST_BODIES = 15
 MOST_COORDINATES = 94
+MOST_ROWS = 96  # coordinates filled up to whole registers
 CLASSES = 9  # of forces
 ACTUATION = 10  # brake torque (4) and drive torque (4) of the wheelsets, track brake force (2) of the bogies
 
 COACH = np.dtype(
     [
+        # what the contacts of the wheels are given, their forces and their report; first, for registers are read fastest
+        # from where their own size goes into the address
+        ("wheels", "f8", (WHEEL, LANES)),
+        ("wheel_normal", "f8", (7, LANES)),
+        ("wheel_creep", "f8", (7, LANES)),
+        ("report", "f8", (REPORT, LANES)),
         # constants
         ("bodies", "i8"),
         ("coordinates", "i8"),
@@ -71,7 +78,8 @@ COACH = np.dtype(
         ("track_origin_m", "f8"),
         # where the arrays of a run stand: q, v, accelerations and forces of the solver, track and rail
         ("solver_at", "i8", (4,)),
-        ("jacobian_columns_at", "i8"),  # the Jacobian in force, column by column
+        ("iterates", "i8"),  # whether the solver iterates with Jacobians of its own
+        ("response_at", "i8"),  # see `vehicle.implicit`
         ("track_at", "i8"),
         ("track_nodes", "i8"),
         # table of the rails' irregularities, its nodes (0 on smooth rails), their first place and spacing
@@ -99,7 +107,6 @@ COACH = np.dtype(
         ("algorithmic", "f8", (MOST_COORDINATES,)),  # accelerations of the generalised-alpha method
         ("ahead_q", "f8", (MOST_COORDINATES,)),  # the predictor
         ("ahead_v", "f8", (MOST_COORDINATES,)),
-        ("correction", "f8", (MOST_COORDINATES,)),  # of the predictor by the solver in the last step, as acceleration
         # worked out in every evaluation
         ("rotation", "f8", (MOST_BODIES, 3, 3)),
         ("frame", "f8", (5, 14)),
@@ -110,7 +117,6 @@ COACH = np.dtype(
         ),  # of each wheel's radius over the nominal one where it touches, and per rad of turn
         ("along", "f8", (4,)),  # speed of the wheelsets along the track
         ("condition", "f8", (4, 2, CONDITION)),  # of the rail under each wheel
-        ("report", "f8", (REPORT, LANES)),
         ("brake_torque", "f8", (4,)),
         ("stuck", "f8", (4,)),
         # of the last Jacobian, to tell when it has aged
@@ -121,16 +127,15 @@ COACH = np.dtype(
         ("old_stuck", "f8", (4,)),
         ("old_rubbing", "f8", (RUBBING,)),  # slopes of dry friction in the last step
         ("regaining", "f8", (4,)),  # 1: a step with its tangents would carry the wheelset through zero slip
-        ("old_heading", "f8", (2,)),  # of the carbody, as x and y of its x axis
+        ("old_axes", "f8", (9,)),  # of the track at the carbody: ahead, left, up
+        ("old_yaw", "f8", (4,)),  # of the wheelsets to those
+        ("jacobians", "i8"),
         # scratch
         ("force", "f8", (CLASSES, MOST_COORDINATES)),
         ("probe_element", "f8", (12,)),
         ("probe_map", "f8", (12,)),
-        ("wheels", "f8", (WHEEL, LANES)),  # what the contact is given, and its forces
-        ("wheel_normal", "f8", (7, LANES)),
-        ("wheel_creep", "f8", (7, LANES)),
         ("probe_rows", "f8", (6, 7)),
-        ("probe_turn", "f8", (2, MOST_COORDINATES)),
+        ("probe_force", "f8", (2, MOST_ROWS)),
         ("offsets", "f8", (8,)),
         ("rail_frame", "f8", (4, 2, 14)),  # the track as the rail under each wheel has it; on rough rails only
     ]
@@ -143,7 +148,7 @@ coach_at = record_reader(COACH)
 def coach_record(parameters: CoachParameters, contact: Contact) -> np.ndarray:
     """Array of one `COACH` record with all constants set; the elements carry the static loads of level track."""
     p = parameters
-    coach = np.zeros(1, COACH)
+    coach = aligned(np.zeros(1, COACH))
     c = coach[0]
     explicit = p.axle_boxes == "explicit"
     c["bodies"] = MOST_BODIES if explicit else BODIES

@@ -3,14 +3,16 @@
 The solver (generalised-alpha, one linearised solve a step) evaluates forces at its predictor, the state that follows
 from the last one with zero acceleration at the end of the step. The predictor is worked out here by the same formulas
 (J. Chung, G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375, in the form with algorithmic accelerations), so that one
-compiled call before the step does everything and Exudyn need not call back for forces.
+compiled call before the step does everything and Exudyn need not call back, neither for forces nor for Jacobians
+(`vehicle.implicit`).
 """
 
 import math
 
 from vehicle.forces import add_classes, forces_by_class
+from vehicle.implicit import ALPHA_F, ALPHA_M, BETA, GAMMA, new_response, respond, yaw_has_changed
 from vehicle.layout import ACTUATION, coach_at
-from vehicle.suspension import commit_attitudes, friction_has_changed, place_of
+from vehicle.suspension import commit_attitudes, friction_has_changed
 from wheel_rail.adhesion_condition import rail_conditions
 from wheel_rail.adhesion_memory import remember_friction
 from wheel_rail.adhesion_state import RailTables, crush_sand, deposit, rail_of
@@ -20,25 +22,18 @@ from wheel_rail.lane_arrays import lanes_at, put_lanes
 from wheel_rail.lanes import LANES, some
 from wheel_rail.sanding import lay_sand
 
-SPECTRAL_RADIUS = 0.1
-ALPHA_M = (2.0 * SPECTRAL_RADIUS - 1.0) / (SPECTRAL_RADIUS + 1.0)
-ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1.0)
-GAMMA = 0.5 + ALPHA_F - ALPHA_M
-BETA = 0.25 * (GAMMA + 0.5) ** 2
-
 _STALE_SHARE = 0.0003
-_LARGEST_TURN = 0.02  # sine of the turn up to which the Jacobian is turned with the coach
-_NO_TURN = 1e-5  # less is not worth the sums
 
 FRESH, AGED, LOST = range(3)
 
 
 @compiled
 def begin_step(address: int, step_s: float) -> int:
-    """Commit the step that has ended in the solver's state and put the forces at the next step's predictor into its
-    force vector; `address` of the coach's record.
+    """Commit the step that has ended in the solver's state and put the forces of the next one into its force vector;
+    `address` of the coach's record.
 
-    Returns FRESH or AGED for the Jacobian, or LOST when the state or the actuation is not finite.
+    Returns FRESH, or AGED if a solver that iterates needs a new Jacobian, or LOST when the state or the actuation is
+    not finite.
     """
     coach = coach_at(address)
     shape = (coach.coordinates,)
@@ -68,18 +63,17 @@ def begin_step(address: int, step_s: float) -> int:
         frame = coach.frame[i]
         coach.s[i] += step_s * (v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5])
     commit_attitudes(q, coach)
-    for j in range(coach.coordinates):
-        coach.correction[j] = (q[j] - coach.ahead_q[j]) / (BETA * step_s * step_s)
     _to_predictor(q, v, a, step_s, coach)
     forces_by_class(coach.ahead_q, coach.ahead_v, coach, track, rail)
     add_classes(coach, f)
     aged = _jacobian_has_aged(step_s, coach)
     if coach.rubbing_count > 0 and friction_has_changed(coach.ahead_q, coach.ahead_v, coach):
         aged = True
-    if aged:
-        return AGED
-    if coach.steps > 1:
-        turn_jacobian(coach, f)
+    if coach.iterates:
+        return AGED if aged else FRESH
+    if aged or coach.jacobians == 0:
+        new_response(step_s, coach)
+    respond(f, coach)
     return FRESH
 
 
@@ -113,7 +107,7 @@ def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
     It is old when the error of a creep slope, times what the slip has moved in the step, makes a false force of 0.03 %
     of the wheel load (this decides the accuracy at the edge of sliding); when a slope times step over effective mass
     has changed by over one half; when a wheel has lifted or landed, a brake has caught or let go, a wheelset regains
-    its grip or has regained it, or the coach has turned by 20 mrad (up to there see `turn_jacobian`).
+    its grip or has regained it, or a wheelset has another yaw.
     """
     aged = False
     radius = coach.contact.radius_m
@@ -137,52 +131,7 @@ def _jacobian_has_aged(step_s: float, coach: Record) -> bool:
     landed, lifted = (depth > 0.0) & (old_touch <= 0.0), (depth <= 0.0) & (old_touch > 0.0)
     if some(false_force | changed | landed | lifted):
         aged = True
-    return aged or abs(_turned(coach)) > _LARGEST_TURN
-
-
-@compiled
-def _turned(coach: Record) -> float:
-    """Sine of the angle by which the coach's heading has changed since the last Jacobian."""
-    return coach.rotation[0, 1, 0] * coach.old_heading[0] - coach.rotation[0, 0, 0] * coach.old_heading[1]
-
-
-@compiled
-def turn_jacobian(coach: Record, f: Array) -> None:
-    """Add to the forces what makes up for a Jacobian J of another heading.
-
-    The coach has turned by T about the vertical; its Jacobian is now T J T^T (turns and spins count in body axes). The
-    solver will take J d off the forces at the predictor, d being its correction of the predictor, where T J T^T d was
-    right: the difference is added with the correction of the last step, which is this one's but for a change of
-    acceleration. Without it the lateral force that leads through a curve would drag or push by its share of the turn.
-    """
-    sine = _turned(coach)
-    if abs(sine) < _NO_TURN:
-        return
-    less = sine * sine / (1.0 + math.sqrt(1.0 - sine * sine))  # 1 - cosine
-    n = coach.coordinates
-    columns = array_at(coach.jacobian_columns_at, (n, n))
-    # J d - T J T^T d = (J d - T J d) - T J w, w = T^T d - d: but for x and y of the bodies, T changes nothing
-    d, across, rest = coach.correction, coach.probe_turn[0], coach.probe_turn[1]
-    for j in range(n):
-        across[j] = rest[j] = 0.0
-    for j in range(n):
-        column, part = columns[j], d[j]
-        for i in range(coach.bodies):
-            at = place_of(i)
-            across[at] += column[at] * part
-            across[at + 1] += column[at + 1] * part
-    for k in range(coach.bodies):
-        at = place_of(k)
-        wx, wy = sine * d[at + 1] - less * d[at], -sine * d[at] - less * d[at + 1]
-        for i in range(n):
-            rest[i] += columns[at, i] * wx + columns[at + 1, i] * wy
-    for i in range(coach.bodies):
-        at = place_of(i)
-        x, y = across[at] + rest[at], across[at + 1] + rest[at + 1]
-        f[at] += less * x + sine * y
-        f[at + 1] += less * y - sine * x
-    for j in range(n):
-        f[j] -= rest[j]
+    return aged or yaw_has_changed(coach)
 
 
 @compiled

@@ -55,6 +55,18 @@ def array_at(address: int, shape: tuple[int, ...]) -> Array:
     return numba.carray(_pointer(address), shape)  # type: ignore[attr-defined, call-arg]
 
 
+_REGISTER_BYTES = 64
+
+
+def aligned(array: np.ndarray) -> np.ndarray:
+    """A copy that begins where the registers of `wheel_rail.lanes` begin: read across, they take twice the time."""
+    room = np.empty(array.nbytes + _REGISTER_BYTES, np.uint8)
+    first = -room.ctypes.data % _REGISTER_BYTES
+    copy = room[first : first + array.nbytes].view(array.dtype).reshape(array.shape)
+    copy[...] = array
+    return copy
+
+
 def address_of(array: np.ndarray) -> int:
     """Where the numbers of a contiguous array stand. Raises ValueError for one that is not contiguous."""
     if not array.flags.c_contiguous:

@@ -8,7 +8,6 @@ import pytest
 
 from tests.vehicle.conftest import MakeBench
 from vehicle import POWERS, SolverFailure
-from vehicle import coach as coach_module
 
 FULL_BRAKE_NM = 6300.0
 
@@ -146,26 +145,6 @@ def test_same_run_same_bytes(make_bench: MakeBench) -> None:
     one, _ = bench.run(duration_s=3.0, speed_mps=20.0, brake=lambda t: FULL_BRAKE_NM)
     two, _ = bench.run(duration_s=3.0, speed_mps=20.0, brake=lambda t: FULL_BRAKE_NM)
     assert one.tobytes() == two.tobytes()
-
-
-def test_forces_are_those_of_the_solvers_predictor(make_bench: MakeBench, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The state worked out ahead of the step is the one at which the solver asks for its Jacobian, in a curve too."""
-    seen: list[float] = []
-    jacobian = coach_module.coach_jacobian
-
-    def spy(q: np.ndarray, v: np.ndarray, *rest: object) -> None:
-        ahead = rest[2][0]  # type: ignore[index]
-        seen.append(np.abs(q - ahead["ahead_q"][: len(q)]).max())
-        seen.append(np.abs(v - ahead["ahead_v"][: len(v)]).max())
-        jacobian(q, v, *rest)
-
-    monkeypatch.setattr(coach_module, "coach_jacobian", spy)
-    curve = {"start_m": 60.0, "transition_m": 50.0, "length_m": 300.0, "radius_m": 500.0, "cant_mm": 100.0}
-    bench = make_bench(0.08, "low", curves=[curve])
-    bench.run(duration_s=5.0, speed_mps=20.0, brake=lambda t: FULL_BRAKE_NM * (int(2 * t) % 2))
-    print(f"{len(seen) // 2} Jacobians, largest difference {max(seen):.1e}")
-    assert len(seen) > 100
-    assert max(seen) < 1e-7
 
 
 def test_errors_of_the_callback_come_out_as_they_are(make_bench: MakeBench) -> None:

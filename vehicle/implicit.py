@@ -1,0 +1,116 @@
+"""The linearised step: the forces at the predictor become those with which the masses alone make the implicit step.
+
+Generalised-alpha with one linearised solve takes from the predictor the accelerations d of (c M + J) d = f, where
+J = -(beta h^2 df/dq + gamma h df/dv) and c = (1 - alpha_m)/(1 - alpha_f). The solver knows the masses only and solves
+c M d = f', so it is handed f' = S f with the response S = c M (c M + J)^-1, which is kept until the Jacobian J has
+aged. In between S turns with the track: where the tangent of the track at the carbody has turned by T, all forces and
+their slopes have turned with it, and S is T S T^T (turns and spins count in body axes).
+"""
+
+import numpy as np
+
+from vehicle.jacobian import fill_jacobian
+from vehicle.suspension import place_of
+from wheel_rail.compiled import Array, Record, aligned, array_at, compiled
+from wheel_rail.lane_arrays import lanes_at, put_lanes
+from wheel_rail.lanes import LANES
+
+SPECTRAL_RADIUS = 0.1
+ALPHA_M = (2.0 * SPECTRAL_RADIUS - 1.0) / (SPECTRAL_RADIUS + 1.0)
+ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1.0)
+GAMMA = 0.5 + ALPHA_F - ALPHA_M
+BETA = 0.25 * (GAMMA + 0.5) ** 2
+_C = (1.0 - ALPHA_M) / (1.0 - ALPHA_F)
+
+_OTHER_YAW = 0.002
+_AT_ONCE = 3 * LANES  # rows; two groups of them hold a coach, four one with axle boxes of their own
+
+
+def room_for_response(coordinates: int) -> np.ndarray:
+    """Array for `coach.response_at`: column by column, rows filled up with zeros to whole groups."""
+    return aligned(np.zeros((coordinates, -(-coordinates // _AT_ONCE) * _AT_ONCE)))
+
+
+@compiled
+def new_response(step_s: float, coach: Record) -> None:
+    """Work out S at the predictor, where the forces have just been evaluated."""
+    coach.jacobians += 1
+    n = coach.coordinates
+    jacobian = np.empty((n, n))
+    factor_q, factor_v = BETA * step_s * step_s, GAMMA * step_s
+    fill_jacobian(coach.ahead_q, coach.ahead_v, factor_q, factor_v, coach, jacobian)
+    inertia = coach.probe_force[0]
+    for i in range(coach.bodies):
+        at = place_of(i)
+        for j in range(3):
+            inertia[at + j], inertia[at + 3 + j] = _C * coach.mass[i], _C * coach.inertia[i, j]
+    for i in range(4):
+        inertia[42 + i] = _C * coach.spin_inertia
+    for j in range(n):
+        jacobian[j, j] += inertia[j]
+    inverse = np.linalg.inv(jacobian)
+    columns = array_at(coach.response_at, (n, -(-n // _AT_ONCE) * _AT_ONCE))
+    for j in range(n):
+        for i in range(n):
+            columns[j, i] = inertia[i] * inverse[i, j]
+    coach.old_axes[:] = coach.frame[4, 3:12]
+    for i in range(4):
+        coach.old_yaw[i] = _yaw(i, coach)
+
+
+@compiled
+def respond(f: Array, coach: Record) -> None:
+    """Turn the forces f (coordinates,) at the predictor into those that the solver is handed."""
+    n = coach.coordinates
+    rows = -(-n // _AT_ONCE) * _AT_ONCE
+    columns = array_at(coach.response_at, (n * rows,))
+    asked, answer = coach.probe_force[0], coach.probe_force[1]
+    for j in range(n):
+        asked[j] = f[j]
+    now, old = coach.frame[4, 3:12], coach.old_axes
+    _turn(asked, now, old, coach)
+    for first in range(0, rows, _AT_ONCE):
+        a = lanes_at(columns, first) * asked[0]
+        b = lanes_at(columns, first + LANES) * asked[0]
+        c = lanes_at(columns, first + 2 * LANES) * asked[0]
+        for j in range(1, n):
+            at = j * rows + first
+            a = a + lanes_at(columns, at) * asked[j]
+            b = b + lanes_at(columns, at + LANES) * asked[j]
+            c = c + lanes_at(columns, at + 2 * LANES) * asked[j]
+        put_lanes(answer, first, a)
+        put_lanes(answer, first + LANES, b)
+        put_lanes(answer, first + 2 * LANES, c)
+    _turn(answer, old, now, coach)
+    for j in range(n):
+        f[j] = answer[j]
+
+
+@compiled
+def _turn(f: Array, from_axes: Array, to_axes: Array, coach: Record) -> None:
+    """Turn the forces on the bodies' centres as the first three axes have to turn to become the other three."""
+    for i in range(coach.bodies):
+        at = place_of(i)
+        x, y, z = f[at], f[at + 1], f[at + 2]
+        ahead = from_axes[0] * x + from_axes[1] * y + from_axes[2] * z
+        left = from_axes[3] * x + from_axes[4] * y + from_axes[5] * z
+        up = from_axes[6] * x + from_axes[7] * y + from_axes[8] * z
+        for j in range(3):
+            f[at + j] = to_axes[j] * ahead + to_axes[3 + j] * left + to_axes[6 + j] * up
+
+
+@compiled
+def yaw_has_changed(coach: Record) -> bool:
+    """Whether a wheelset's yaw to the track at the carbody is not what it was: in curves, and on the way into them."""
+    changed = False
+    for i in range(4):
+        if abs(_yaw(i, coach) - coach.old_yaw[i]) > _OTHER_YAW:
+            changed = True
+    return changed
+
+
+@compiled
+def _yaw(i: int, coach: Record) -> float:
+    """Sine of the angle from the track at the carbody to the rolling direction of wheelset i."""
+    frame, rotation = coach.frame[4], coach.rotation[3 + i]
+    return frame[6] * rotation[0, 0] + frame[7] * rotation[1, 0] + frame[8] * rotation[2, 0]
