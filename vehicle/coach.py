@@ -8,7 +8,8 @@ steps, while body and bogie modes, slow against the step, stay undamped.
 
 The callback has a period of its own, a whole multiple of the step. At each of its instants t_k the state of t_k is
 handed to `on_step`; what that returns acts from t_k until the next instant. So the actuation answers a state with no
-delay beyond its period; any delay of valves or controllers is the callback's own.
+delay beyond its period; any delay of valves or controllers is the callback's own. What has to happen more often than
+Python should be asked is a `Plant`, called by the compiled code between the steps.
 """
 
 import gc
@@ -17,7 +18,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from vehicle.layout import ACTUATION, SPIN
 from vehicle.observation import OBSERVATION, observe
 from vehicle.parameters import CoachParameters
 from vehicle.start import start_state
-from vehicle.stepping import FRESH, LOST, begin_step
+from vehicle.stepping import FRESH, LOST, REFUSED, begin_step
 from wheel_rail import Contact, Track
 from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import address_of, aligned
@@ -111,6 +112,20 @@ class SolveReport:
 OnStep = Callable[[float, CoachState], Actuation | None]
 
 
+@dataclass(frozen=True)
+class Plant:
+    """Compiled work within a run: `function`, the address of a C function int64(int64, double), is called with
+    `argument` and the time every `period_s`, a whole multiple of the step, and may change the actuation.
+
+    When it answers anything but 0, `refused` is called with the time and that answer, and raises what the run ends by.
+    """
+
+    function: int
+    argument: int
+    period_s: float
+    refused: Callable[[float, int], NoReturn]
+
+
 class Coach:
     """A coach on a track; see the module's description for how a run proceeds.
 
@@ -133,13 +148,15 @@ class Coach:
         on_step: OnStep,
         period_s: float,
         newton: bool = False,
+        plant: Plant | None = None,
     ) -> SolveReport:
         """Integrate from the place and speed given until `on_step` returns None or `longest_s` is over.
 
-        `on_step` is called every `period_s`, a whole multiple of `step_s`. The coach starts at rest in its suspension,
-        its wheels rolling. `newton`: iterate every step until its forces are in balance, at several times the cost, as
-        a reference for the linearised steps. Exceptions of `on_step` end the run and are raised again here. Raises
-        SolverFailure when the state stops being finite or the solver gives up.
+        `on_step` is called every `period_s`, a whole multiple of `step_s`; `plant` works after it where both are due.
+        The coach starts at rest in its suspension, its wheels rolling. `newton`: iterate every step until its forces
+        are in balance, at several times the cost, as a reference for the linearised steps. Exceptions of `on_step` end
+        the run and are raised again here. Raises SolverFailure when the state stops being finite or the solver gives
+        up.
         """
         exu = load_exudyn()
         record, q, v = start_state(
@@ -149,10 +166,11 @@ class Coach:
         mbs = container.AddSystem()
         system = assemble(mbs, record, q, v)
         solver = exu.MainSolverImplicitSecondOrder()
-        every = round(period_s / step_s)
-        if every < 1 or abs(every * step_s - period_s) > 1e-9:
-            raise ValueError(f"period_s = {period_s}: must be a whole multiple of step_s = {step_s}")
-        run = _Run(mbs, system, solver, record, self._track.table, self._rail, step_s, on_step, every, newton)
+        every = _steps_of(period_s, step_s)
+        if plant is not None:
+            record[0]["plant_every"] = _steps_of(plant.period_s, step_s)
+            record[0]["plant_at"] = plant.function, plant.argument
+        run = _Run(mbs, system, solver, record, self._track.table, self._rail, step_s, on_step, every, newton, plant)
         settings = solver_settings(exu, step_s, longest_s, newton)
         collecting = gc.isenabled()
         gc.disable()  # a callback makes no cycles, and the collector would look through everything again and again
@@ -178,6 +196,13 @@ class Coach:
         )
 
 
+def _steps_of(period_s: float, step_s: float) -> int:
+    every = round(period_s / step_s)
+    if every < 1 or abs(every * step_s - period_s) > 1e-9:
+        raise ValueError(f"period_s = {period_s}: must be a whole multiple of step_s = {step_s}")
+    return every
+
+
 class _Run:
     """The callbacks of one solve and what they share."""
 
@@ -193,6 +218,7 @@ class _Run:
         on_step: OnStep,
         every: int,
         newton: bool,
+        plant: Plant | None,
     ) -> None:
         self.t_s = 0.0
         self.steps = 0
@@ -228,6 +254,12 @@ class _Run:
                 return False
             set_parameter(system, "forceVector", force)
             if condition != FRESH:
+                if condition == REFUSED and plant is not None:
+                    try:
+                        plant.refused(steps * step_s, int(coach["plant_said"]))
+                    except BaseException as error:
+                        self._raised = error
+                    return False
                 if condition == LOST:
                     self._lost = f"state or actuation not finite at t = {steps * step_s:.4f} s"
                     return False

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from vehicle.layout import masses
 from vehicle.implicit import SPECTRAL_RADIUS
+from vehicle.layout import masses
 
 
 def load_exudyn() -> ModuleType:

@@ -13,7 +13,7 @@ from vehicle.suspension import add_suspension, body_frames, place_of
 from wheel_rail.adhesion_condition import rail_conditions
 from wheel_rail.adhesion_memory import recall_friction
 from wheel_rail.adhesion_state import RailTables
-from wheel_rail.compiled import Array, Record, array_at, compiled
+from wheel_rail.compiled import Array, Record, array_at, compiled, inlined
 from wheel_rail.contact import (
     AXLE,
     CARRIER_RATE,
@@ -45,13 +45,20 @@ def locate(q: Array, coach: Record, track: Array) -> None:
         frame = coach.frame[i]
         for _ in range(20):
             track_frame(coach.s[i], coach.track_origin_m, track, frame)
-            dx, dy, dz = q[at] - frame[0], q[at + 1] - frame[1], q[at + 2] - frame[2]
-            ahead = dx * frame[3] + dy * frame[4] + dz * frame[5]
-            left = dx * frame[6] + dy * frame[7] + dz * frame[8]
-            coach.s[i] += ahead / (1.0 - frame[13] * left)
+            coach.frame_s[i] = coach.s[i]
+            ahead = way_ahead(q, at, frame)
+            coach.s[i] += ahead
             # within a millimetre the frame is as good as the one at the new place
             if abs(ahead) < 1e-3:
                 break
+
+
+@inlined
+def way_ahead(q: Array, at: int, frame: Array) -> float:
+    """How far along the track from the frame's origin the body stands whose place is q[at : at + 3]."""
+    dx, dy, dz = q[at] - frame[0], q[at + 1] - frame[1], q[at + 2] - frame[2]
+    left = dx * frame[6] + dy * frame[7] + dz * frame[8]
+    return (dx * frame[3] + dy * frame[4] + dz * frame[5]) / (1.0 - frame[13] * left)
 
 
 @compiled
@@ -68,7 +75,6 @@ def wheels_on_rails(q: Array, v: Array, coach: Record) -> None:
     put_row(wheels, GROWTH, of_wheels(coach.growth, 0, 2))
     put_row(wheels, GROWTH_SLOPE, of_wheels(coach.growth, 1, 2))
     if coach.offset_nodes > 0:
-        _displace_rails(q, coach)
         for k in range(14):
             put_row(wheels, FRAME + k, of_wheels(coach.rail_frame, k, 14))
     else:
@@ -150,15 +156,38 @@ def _grow_wheels(q: Array, coach: Record) -> None:
 
 
 @compiled
+def find_rails(q: Array, v: Array, coach: Record, track: Array, rail: RailTables) -> None:
+    """Bring up to date what the wheels meet: places along the track, track frames, the rails there, their condition."""
+    locate(q, coach, track)
+    if coach.offset_nodes > 0:
+        _displace_rails(q, coach)
+    for i in range(4):
+        at = 18 + 6 * i
+        frame = coach.frame[i]
+        along = v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5]
+        coach.along[i] = along
+        rail_conditions(coach.s[i], along, rail, coach.condition[i])
+        if rail.memory_distance_m > 0.0:
+            for side in range(2):
+                recall_friction(coach.condition[i, side], coach.memory[side, i])
+
+
+@compiled
 def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailTables) -> None:
     """Fill `coach.force` (CLASSES, coordinates); needs nothing but the state and the step memory of the brake."""
+    find_rails(q, v, coach, track, rail)
+    forces_on_rails(q, v, coach)
+
+
+@compiled
+def forces_on_rails(q: Array, v: Array, coach: Record) -> None:
+    """`forces_by_class` on rails that have been found."""
     body_frames(q, coach)
     force = coach.force
     # the others write to the same places every time
     for k in (SUSPENSION, BRAKE, DRIVE, TRACK_BRAKE):
         for j in range(coach.coordinates):
             force[k, j] = 0.0
-    locate(q, coach, track)
     if coach.uneven:
         _grow_wheels(q, coach)
     for i in range(coach.bodies):
@@ -185,13 +214,6 @@ def forces_by_class(q: Array, v: Array, coach: Record, track: Array, rail: RailT
         at, spin_at, bogie = 18 + 6 * i, 42 + i, 6 * coach.bogie_of[i]
         rotation = coach.rotation[3 + i]
         spin = v[spin_at]
-        frame = coach.frame[i]
-        along = v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5]
-        coach.along[i] = along
-        rail_conditions(coach.s[i], along, rail, coach.condition[i])
-        if rail.memory_distance_m > 0.0:
-            for side in range(2):
-                recall_friction(coach.condition[i, side], coach.memory[side, i])
         # torques on the spinning wheelset react on the bogie that carries caliper and gearbox
         torque, coach.stuck[i] = _brake_torque(i, q[spin_at], spin, coach)
         coach.brake_torque[i] = torque

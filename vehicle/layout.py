@@ -32,8 +32,8 @@ ACTUATION = 10  # brake torque (4) and drive torque (4) of the wheelsets, track 
 
 COACH = np.dtype(
     [
-        # what the contacts of the wheels are given, their forces and their report; first, for registers are read fastest
-        # from where their own size goes into the address
+        # what the contacts of the wheels are given, their forces and their report; first, because registers are read
+        # fastest from where their own size goes into the address
         ("wheels", "f8", (WHEEL, LANES)),
         ("wheel_normal", "f8", (7, LANES)),
         ("wheel_creep", "f8", (7, LANES)),
@@ -89,6 +89,10 @@ COACH = np.dtype(
         ("offset_cell_m", "f8"),
         ("rail", RAIL),
         ("actuation_at", "i8"),
+        # compiled work at every so many steps (0: none): its function, its argument; what it has answered
+        ("plant_every", "i8"),
+        ("plant_at", "i8", (2,)),
+        ("plant_said", "i8"),
         # what changes from step to step
         ("attitude", "f8", (MOST_BODIES, 4)),  # unit quaternion (w, x, y, z) of the last committed rotation
         ("turned", "f8", (MOST_BODIES, 3)),  # turn coordinates at that rotation
@@ -109,7 +113,8 @@ COACH = np.dtype(
         ("ahead_v", "f8", (MOST_COORDINATES,)),
         # worked out in every evaluation
         ("rotation", "f8", (MOST_BODIES, 3, 3)),
-        ("frame", "f8", (5, 14)),
+        ("frame", "f8", (5, 14)),  # of the track, at the places frame_s
+        ("frame_s", "f8", (5,)),
         (
             "growth",
             "f8",

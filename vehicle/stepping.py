@@ -16,7 +16,7 @@ from vehicle.suspension import commit_attitudes, friction_has_changed
 from wheel_rail.adhesion_condition import rail_conditions
 from wheel_rail.adhesion_memory import remember_friction
 from wheel_rail.adhesion_state import RailTables, crush_sand, deposit, rail_of
-from wheel_rail.compiled import Array, Record, array_at, compiled
+from wheel_rail.compiled import Array, Record, array_at, call_at, compiled
 from wheel_rail.contact import LONGITUDINAL, NORMAL, PENETRATION, SECANT, SLIDE, SLIDE_POWER, SLIDE_SPEED, TANGENT
 from wheel_rail.lane_arrays import lanes_at, put_lanes
 from wheel_rail.lanes import LANES, some
@@ -24,16 +24,16 @@ from wheel_rail.sanding import lay_sand
 
 _STALE_SHARE = 0.0003
 
-FRESH, AGED, LOST = range(3)
+FRESH, AGED, LOST, REFUSED = range(4)
 
 
 @compiled
 def begin_step(address: int, step_s: float) -> int:
-    """Commit the step that has ended in the solver's state and put the forces of the next one into its force vector;
-    `address` of the coach's record.
+    """Commit the step that has ended in the solver's state, let the plant work if it is its turn, and put the forces of
+    the next step into the solver's force vector; `address` of the coach's record.
 
-    Returns FRESH, or AGED if a solver that iterates needs a new Jacobian, or LOST when the state or the actuation is
-    not finite.
+    Returns FRESH, or AGED if a solver that iterates needs a new Jacobian, LOST when the state or the actuation is not
+    finite, REFUSED when the plant does not go on.
     """
     coach = coach_at(address)
     shape = (coach.coordinates,)
@@ -44,6 +44,10 @@ def begin_step(address: int, step_s: float) -> int:
     for j in range(coach.coordinates):
         if not math.isfinite(v[j]):
             return LOST
+    if coach.plant_every > 0 and coach.steps % coach.plant_every == 0:
+        coach.plant_said = call_at(coach.plant_at[0], coach.plant_at[1], coach.steps * step_s)  # type: ignore[call-arg]
+        if coach.plant_said != 0:
+            return REFUSED
     actuation = array_at(coach.actuation_at, (ACTUATION,))
     for i in range(ACTUATION):
         if not math.isfinite(actuation[i]):

@@ -5,7 +5,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from wheel_rail.compiled import Array, Record, address_of, array_at, compiled
+from wheel_rail.compiled import Array, Record, address_of, array_at, compiled, inlined
 
 STATE_CELL_M = 0.1
 ENERGY_KEPT, SAND_KEPT = range(2)
@@ -144,7 +144,7 @@ def _cells(length_m: float) -> int:
     return int(np.ceil(length_m / STATE_CELL_M - 1e-9)) + 2
 
 
-@compiled
+@inlined
 def spread(rail: RailTables, kept: int, s0_m: float, s1_m: float, left: float, right: float) -> None:
     """Add amounts to `state[:, :, kept]` of the left and the right rail, evenly over the way from s0 to s1, either
     direction.
@@ -173,7 +173,7 @@ def spread(rail: RailTables, kept: int, s0_m: float, s1_m: float, left: float, r
         state[side, last, kept] += (high - last) * per_cell
 
 
-@compiled
+@inlined
 def deposit(rail: RailTables, s0_m: float, s1_m: float, left_j: float, right_j: float) -> None:
     """What the wheels of a wheelset dissipated on its way from s0 to s1 stays on their rails."""
     spread(rail, ENERGY_KEPT, s0_m, s1_m, left_j, right_j)

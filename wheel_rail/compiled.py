@@ -12,6 +12,7 @@ from typing import Any, cast
 
 import numba
 import numpy as np
+from llvmlite import ir
 from numba import from_dtype, njit, types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
@@ -53,6 +54,18 @@ def _pointer(_typing: Any, address: Any) -> Any:
 def array_at(address: int, shape: tuple[int, ...]) -> Array:
     """The contiguous array of floats of this shape that stands at an address."""
     return numba.carray(_pointer(address), shape)  # type: ignore[attr-defined, call-arg]
+
+
+@intrinsic
+def call_at(_typing: Any, address: Any, argument: Any, t_s: Any) -> Any:
+    """Call the C function int64(int64, double) that stands at an address."""
+
+    def code(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        integer, double = ir.IntType(64), ir.DoubleType()
+        kind = ir.FunctionType(integer, [integer, double])
+        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), list(arguments[1:]))
+
+    return types.int64(types.int64, types.int64, types.float64), code
 
 
 _REGISTER_BYTES = 64

@@ -1,8 +1,11 @@
 """What the co-simulation does at every tick and period, compiled: one call each, by the address of its record."""
 
 import math
+from functools import cache
+from typing import Any
 
 import numpy as np
+from numba import cfunc, types
 
 from scenarios.cosimulation.traction import drive, traction_at
 from sensors import pulse_edges
@@ -193,6 +196,20 @@ def act(address: int, t_s: float) -> int:
     actuation[8], actuation[9] = brake.track_brake_force_n[0], brake.track_brake_force_n[1]
     loop.periods += 1
     return ACTED
+
+
+def act_address() -> int:
+    """Address of `act` as a C function."""
+    return int(_act_entry().address)
+
+
+@cache  # which keeps it alive
+def _act_entry() -> Any:
+    return cfunc(types.int64(types.int64, types.float64), cache=True, error_model="numpy")(_act)
+
+
+def _act(address: int, t_s: float) -> int:
+    return act(address, t_s)
 
 
 @compiled

@@ -6,7 +6,7 @@ from typing import Literal, NoReturn
 
 import numpy as np
 
-from scenarios.cosimulation.core import ACTED, BAD_TRACTION, LOOKED, LOOP, NO_ROOM, act, latch, look
+from scenarios.cosimulation.core import BAD_TRACTION, LOOKED, LOOP, NO_ROOM, act_address, latch, look
 from scenarios.cosimulation.driver import Driver
 from scenarios.cosimulation.faults_at_work import FaultsAtWork
 from scenarios.cosimulation.line import Line
@@ -18,7 +18,7 @@ from scenarios.errors import RunInterrupted
 from scenarios.schema import TICK_S, Scenario, SimulationParameters
 from scenarios.truth import SolveRecord, Truth, rail_stream
 from sensors import AxleSpeedReadings, Tachometers, random_stream
-from vehicle import Actuation, CoachState, SolveReport
+from vehicle import Actuation, CoachState, Plant, SolveReport
 from wheel_rail.compiled import address_of
 from wheel_rail.sanding import Sanders
 from wsp import Brake, Controller, ControllerOutput
@@ -46,7 +46,7 @@ def loop_period_s(simulation: SimulationParameters) -> float:
 
 
 class Loop:
-    """The coach's callback `on_step` with all that it works: brake, tachometers, controller, driver, recorder."""
+    """The coach's callback and plant with all that they work: brake, tachometers, controller, driver, recorder."""
 
     def __init__(
         self,
@@ -63,7 +63,6 @@ class Loop:
         self._outside = outside
         simulation = scenario.simulation
         self.period_s = loop_period_s(simulation)
-        self._periods_per_tick = round(TICK_S / self.period_s)
         radius_m = 0.5 * scenario.coach.wheelset.wheel_diameter_m
         self.tachometers = Tachometers(
             scenario.tachometers, random_stream(scenario.scenario.world_seed, TACHOMETER_STREAM, 0)
@@ -88,7 +87,6 @@ class Loop:
         self._rail_before = line.state.table.copy()
         self._demand = 0.0
         self._dead = False
-        self._periods = 0
         self._ticks = 0
         self._seen = np.zeros((_FIRST_TICKS, 8))  # axle speeds and whether they are valid, one row per tick
         self.off_the_line = False
@@ -101,7 +99,7 @@ class Loop:
         numbers["actuation_at"] = address_of(self._actuation.numbers)
         numbers["sanders_at"] = self._sanders.address if scenario.sanding.sanders else 0
         numbers["traction_at"] = self._traction.address
-        numbers["periods_per_tick"] = self._periods_per_tick
+        numbers["periods_per_tick"] = round(TICK_S / self.period_s)
         numbers["periods_per_record"] = round(simulation.record_period_s / self.period_s)
         numbers["rows_per_tick"] = round(TICK_S / simulation.record_period_s)
         numbers["heeds_wishes"] = bool(
@@ -126,21 +124,19 @@ class Loop:
     @property
     def has_rows(self) -> bool:
         """Whether anything has been recorded."""
-        return self._periods > 0
+        return int(self._numbers["periods"]) > 0
 
-    def on_step(self, t_s: float, state: CoachState) -> Actuation | None:
-        """The coach's callback; see the head of `scenarios.cosimulation.simulation` for the order."""
-        periods = self._periods
-        if periods == 0:
+    def on_tick(self, t_s: float, state: CoachState) -> Actuation | None:
+        """The coach's callback, every `TICK_S`; see the head of `scenarios.cosimulation.simulation` for the order."""
+        if self._ticks == 0:
             self._state = state
             self._numbers["coach_at"], self._numbers["watching_at"] = state.addresses
-        if periods % self._periods_per_tick == 0 and not self._tick(t_s):
-            return None
-        acted = act(self._address, t_s)
-        if acted != ACTED:
-            self._refuse(t_s, acted)
-        self._periods = periods + 1
-        return self._actuation
+        return self._actuation if self._tick(t_s) else None
+
+    @property
+    def plant(self) -> Plant:
+        """The coach's compiled work, every `period_s`."""
+        return Plant(act_address(), self._address, self.period_s, self._refuse)
 
     def _refuse(self, t_s: float, acted: int) -> NoReturn:
         if acted == BAD_TRACTION:
@@ -264,7 +260,7 @@ class Loop:
         """The streams recorded; `report` None when the solve broke down."""
         line, recorder = self._line, self._recorder
         ended: Literal["standstill", "time"] = "standstill" if self.stopped else "time"
-        simulated_s = report.simulated_s if report else self._periods * self.period_s
+        simulated_s = report.simulated_s if report else int(self._numbers["periods"]) * self.period_s
         self.tachometers.count = int(self._numbers["edge_count"])
         recorder.rows = int(self._numbers["row"])
         seen = self._seen[: self._ticks]

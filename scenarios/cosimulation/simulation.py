@@ -13,7 +13,7 @@ period from t_k to t_k+1, at the state of t_k:
 from collections.abc import Callable
 
 from scenarios.cosimulation.line import Line
-from scenarios.cosimulation.loop import Loop, loop_period_s
+from scenarios.cosimulation.loop import Loop
 from scenarios.cosimulation.outside import Outside, View
 from scenarios.errors import SolveFailed
 from scenarios.names import find_class
@@ -50,8 +50,9 @@ def simulate(
             simulation.longest_s,
             simulation.initial_position_m,
             simulation.initial_speed_kmh / KMH_PER_MPS,
-            loop.on_step,
-            loop.period_s,
+            loop.on_tick,
+            TICK_S,
+            plant=loop.plant,
         )
     except (SolverFailure, ControllerFailed) as failure:
         raise SolveFailed(str(failure), loop.truth(None) if loop.has_rows else None) from failure
@@ -79,11 +80,13 @@ def _compile(scenario: Scenario) -> None:
     line = Line(scenario)
     coach = Coach(scenario.coach, line.contact, line.track, line.rail)
     simulation = scenario.simulation
-    period_s = loop_period_s(simulation)
     speed_mps = simulation.initial_speed_kmh / KMH_PER_MPS
     starts_process = hasattr(find_class("controller", scenario.wsp.controller), "close")
     loop = Loop(scenario, line, lambda *_: None, lambda: False, _Idle() if starts_process else None)
     try:
-        coach.run(simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_step, period_s)
+        coach.run(
+            simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_tick, TICK_S,
+            plant=loop.plant,
+        )  # fmt: skip
     finally:
         loop.close()

@@ -232,15 +232,15 @@ def test_a_track_too_short_says_so_and_keeps_what_it_had() -> None:
 
 
 def test_a_solve_that_breaks_down_keeps_what_it_had(monkeypatch: pytest.MonkeyPatch) -> None:
-    on_step = Loop.on_step
+    on_tick = Loop.on_tick
 
     def broken(self: Loop, t_s: float, state: CoachState) -> Actuation | None:
-        actuation = on_step(self, t_s, state)
+        actuation = on_tick(self, t_s, state)
         if actuation is not None and self.brake.record["cylinder_bar"][0, 0] > 1.0:
-            actuation.brake_torque_nm[0] = math.nan
+            state.wheel_rate_radps[0] = math.nan
         return actuation
 
-    monkeypatch.setattr(Loop, "on_step", broken)
+    monkeypatch.setattr(Loop, "on_tick", broken)
     with pytest.raises(SolveFailed, match=r"not finite at t = .*step of 5 ms") as failure:
         run(*SLOW_STOP)
     assert isinstance(failure.value.partial, Truth)
