@@ -2,7 +2,6 @@
 
 import time
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,6 @@ from scenarios.schema import Scenario
 from vehicle.coach import SolverFailure
 from vehicle.exudyn_system import assemble, load_exudyn, solver_settings
 from vehicle.forces import coach_force, wheels_on_rails
-from vehicle.jacobian import coach_jacobian
 from vehicle.layout import SPIN
 from vehicle.start import start_state
 from wheel_rail.adhesion_state import RailTables
@@ -51,22 +49,11 @@ class BenchCoach:
         return (time.perf_counter() - start) / self._calls
 
     def solver_s(self, step_s: float) -> float:
-        """Time of one step of Exudyn for this system: no forces, a callback that does nothing, one Jacobian."""
+        """Time of one step of Exudyn for this system: no forces, a callback that does nothing."""
         exu = load_exudyn()
         container = exu.SystemContainer()  # owns the system: it must outlive the solve
         mbs = container.AddSystem()
-        system = assemble(mbs, self.record, self.q, self.v)
-
-        def newton_jacobian(
-            _mbs: Any, _t: float, _item: int, _q: np.ndarray, _v: np.ndarray, factor_q: float, factor_v: float
-        ) -> Any:
-            jacobian = np.zeros((len(self.q), len(self.q)))
-            coach_jacobian(self.q, self.v, factor_q, factor_v, self.record, jacobian)
-            sparse = exu.MatrixContainer()
-            sparse.SetWithDenseMatrix(jacobian, False)
-            return sparse
-
-        mbs.SetObjectParameter(system, "jacobianUserFunction", newton_jacobian)
+        assemble(mbs, self.record, self.q, self.v)
         mbs.Assemble()
         mbs.SetPreStepUserFunction(lambda _mbs, _end_s: True)
         solver = exu.MainSolverImplicitSecondOrder()

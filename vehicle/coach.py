@@ -247,11 +247,7 @@ class _Run:
                     coach["actuation_at"] = address_of(answer.numbers)
                     coach["sanders_at"], coach["sander_count"] = address_of(answer.sanders), len(answer.sanders)
             self.steps = steps + 1
-            try:
-                condition = begin_step(address, step_s)
-            except np.linalg.LinAlgError:
-                self._lost = f"the linearised step has no solution at t = {steps * step_s:.4f} s"
-                return False
+            condition = begin_step(address, step_s)
             set_parameter(system, "forceVector", force)
             if condition != FRESH:
                 if condition == REFUSED and plant is not None:
@@ -261,7 +257,7 @@ class _Run:
                         self._raised = error
                     return False
                 if condition == LOST:
-                    self._lost = f"state or actuation not finite at t = {steps * step_s:.4f} s"
+                    self._lost = f"state, actuation or forces not finite at t = {steps * step_s:.4f} s"
                     return False
                 convergence = solver.conv  # of a solver that iterates
                 convergence.jacobianUpdateRequested = True

@@ -26,7 +26,7 @@ from wheel_rail.contact import (
     put_row,
     wheel_contacts,
 )
-from wheel_rail.irregularities import displaced_frame, rail_offsets
+from wheel_rail.irregularities import Three, displaced_frame, rail_offsets
 from wheel_rail.lane_arrays import lanes_at, of_wheels, of_wheelsets, put_wheelsets
 from wheel_rail.lanes import LANES
 from wheel_rail.track import track_frame
@@ -63,7 +63,7 @@ def way_ahead(q: Array, at: int, frame: Array) -> float:
 
 @compiled
 def wheels_on_rails(q: Array, v: Array, coach: Record) -> None:
-    """Contact forces of all wheels on their wheelsets, into `coach.force`; needs frames, rotations, rail condition."""
+    """Contact forces of all wheels on their wheelsets, into `coach.force`; needs rotations and `find_rails`."""
     wheels, rotation = coach.wheels, coach.rotation
     for j in range(3):
         put_row(wheels, PLACE + j, of_wheelsets(q, 18 + j, 6))
@@ -74,12 +74,6 @@ def wheels_on_rails(q: Array, v: Array, coach: Record) -> None:
     put_row(wheels, SPIN, of_wheelsets(v, 42, 1))
     put_row(wheels, GROWTH, of_wheels(coach.growth, 0, 2))
     put_row(wheels, GROWTH_SLOPE, of_wheels(coach.growth, 1, 2))
-    if coach.offset_nodes > 0:
-        for k in range(14):
-            put_row(wheels, FRAME + k, of_wheels(coach.rail_frame, k, 14))
-    else:
-        for k in range(14):
-            put_row(wheels, FRAME + k, of_wheelsets(coach.frame, k, 14))
     normal, creep = coach.wheel_normal, coach.wheel_creep
     wheel_contacts(wheels, coach.contact, coach.condition, normal, creep, coach.report)
     force = coach.force
@@ -99,13 +93,39 @@ def wheels_on_rails(q: Array, v: Array, coach: Record) -> None:
 @compiled
 def _displace_rails(q: Array, coach: Record) -> None:
     """The track frame as the rail under each wheel has it, on rough rails."""
-    offsets = coach.offsets
+    offsets, rows = coach.offsets, coach.offset_rows
     table = array_at(coach.offsets_at, (coach.offset_nodes, 8))
     for i in range(4):
-        position = q[18 + 6 * i : 21 + 6 * i]
         rail_offsets(coach.s[i], coach.offset_first_m, coach.offset_cell_m, table, offsets)
-        displaced_frame(position, coach.frame[i], offsets, 0, coach.rail_frame[i, 0])
-        displaced_frame(position, coach.frame[i], offsets, 1, coach.rail_frame[i, 1])
+        for side in range(2):
+            for k in range(2):
+                rows[k, 2 * i + side] = offsets[2 * side + k]
+                rows[2 + k, 2 * i + side] = offsets[4 + 2 * side + k]
+    track, wheels = coach.frame, coach.wheels
+    x0, y0, z0 = of_wheelsets(track, 0, 14), of_wheelsets(track, 1, 14), of_wheelsets(track, 2, 14)
+    (x, y, z), (ahead, left, up, twist, curvature) = displaced_frame(
+        (of_wheelsets(q, 18, 6) - x0, of_wheelsets(q, 19, 6) - y0, of_wheelsets(q, 20, 6) - z0),
+        (
+            (of_wheelsets(track, 3, 14), of_wheelsets(track, 4, 14), of_wheelsets(track, 5, 14)),
+            (of_wheelsets(track, 6, 14), of_wheelsets(track, 7, 14), of_wheelsets(track, 8, 14)),
+            (of_wheelsets(track, 9, 14), of_wheelsets(track, 10, 14), of_wheelsets(track, 11, 14)),
+            of_wheelsets(track, 12, 14), of_wheelsets(track, 13, 14),
+        ),
+        (lanes_at(rows, 0), lanes_at(rows, LANES), lanes_at(rows, 2 * LANES), lanes_at(rows, 3 * LANES)),
+    )  # fmt: skip
+    _put_three(wheels, FRAME, (x0 + x, y0 + y, z0 + z))
+    _put_three(wheels, FRAME + 3, ahead)
+    _put_three(wheels, FRAME + 6, left)
+    _put_three(wheels, FRAME + 9, up)
+    put_row(wheels, FRAME + 12, twist)
+    put_row(wheels, FRAME + 13, curvature)
+
+
+@inlined
+def _put_three(rows: Array, number: int, values: Three) -> None:
+    put_row(rows, number, values[0])
+    put_row(rows, number + 1, values[1])
+    put_row(rows, number + 2, values[2])
 
 
 @compiled
@@ -161,6 +181,9 @@ def find_rails(q: Array, v: Array, coach: Record, track: Array, rail: RailTables
     locate(q, coach, track)
     if coach.offset_nodes > 0:
         _displace_rails(q, coach)
+    else:
+        for k in range(14):
+            put_row(coach.wheels, FRAME + k, of_wheelsets(coach.frame, k, 14))
     for i in range(4):
         at = 18 + 6 * i
         frame = coach.frame[i]

@@ -9,9 +9,10 @@ their slopes have turned with it, and S is T S T^T (turns and spins count in bod
 
 import numpy as np
 
+from vehicle.inverse import invert
 from vehicle.jacobian import fill_jacobian
 from vehicle.suspension import place_of
-from wheel_rail.compiled import Array, Record, aligned, array_at, compiled
+from wheel_rail.compiled import Array, Record, aligned, array_at, compiled, inlined
 from wheel_rail.lane_arrays import lanes_at, put_lanes
 from wheel_rail.lanes import LANES
 
@@ -23,7 +24,7 @@ BETA = 0.25 * (GAMMA + 0.5) ** 2
 _C = (1.0 - ALPHA_M) / (1.0 - ALPHA_F)
 
 _OTHER_YAW = 0.002
-_AT_ONCE = 3 * LANES  # rows; two groups of them hold a coach, four one with axle boxes of their own
+_AT_ONCE = 6 * LANES  # rows; one group of them holds a coach, two one with axle boxes of their own
 
 
 def room_for_response(coordinates: int) -> np.ndarray:
@@ -31,11 +32,17 @@ def room_for_response(coordinates: int) -> np.ndarray:
     return aligned(np.zeros((coordinates, -(-coordinates // _AT_ONCE) * _AT_ONCE)))
 
 
+@inlined
+def _rows(coordinates: int) -> int:
+    return -(-coordinates // _AT_ONCE) * _AT_ONCE
+
+
 @compiled
-def new_response(step_s: float, coach: Record) -> None:
-    """Work out S at the predictor, where the forces have just been evaluated."""
+def new_response(step_s: float, coach: Record) -> bool:
+    """Work out S at the predictor, where the forces have just been evaluated; False if the step has no solution."""
     coach.jacobians += 1
     n = coach.coordinates
+    rows = _rows(n)
     jacobian = np.empty((n, n))
     factor_q, factor_v = BETA * step_s * step_s, GAMMA * step_s
     fill_jacobian(coach.ahead_q, coach.ahead_v, factor_q, factor_v, coach, jacobian)
@@ -46,23 +53,30 @@ def new_response(step_s: float, coach: Record) -> None:
             inertia[at + j], inertia[at + 3 + j] = _C * coach.mass[i], _C * coach.inertia[i, j]
     for i in range(4):
         inertia[42 + i] = _C * coach.spin_inertia
+    # column by column, as the inverse is wanted
+    columns = array_at(coach.response_at, (n * rows,))
     for j in range(n):
         jacobian[j, j] += inertia[j]
-    inverse = np.linalg.inv(jacobian)
-    columns = array_at(coach.response_at, (n, -(-n // _AT_ONCE) * _AT_ONCE))
+        for i in range(n):
+            columns[j * rows + i] = jacobian[i, j]
+        for i in range(n, rows):
+            columns[j * rows + i] = 0.0
+    if not invert(columns, rows):
+        return False
     for j in range(n):
         for i in range(n):
-            columns[j, i] = inertia[i] * inverse[i, j]
+            columns[j * rows + i] *= inertia[i]
     coach.old_axes[:] = coach.frame[4, 3:12]
     for i in range(4):
         coach.old_yaw[i] = _yaw(i, coach)
+    return True
 
 
 @compiled
 def respond(f: Array, coach: Record) -> None:
     """Turn the forces f (coordinates,) at the predictor into those that the solver is handed."""
     n = coach.coordinates
-    rows = -(-n // _AT_ONCE) * _AT_ONCE
+    rows = _rows(n)
     columns = array_at(coach.response_at, (n * rows,))
     asked, answer = coach.probe_force[0], coach.probe_force[1]
     for j in range(n):
@@ -70,17 +84,26 @@ def respond(f: Array, coach: Record) -> None:
     now, old = coach.frame[4, 3:12], coach.old_axes
     _turn(asked, now, old, coach)
     for first in range(0, rows, _AT_ONCE):
-        a = lanes_at(columns, first) * asked[0]
-        b = lanes_at(columns, first + LANES) * asked[0]
-        c = lanes_at(columns, first + 2 * LANES) * asked[0]
+        r0 = lanes_at(columns, first) * asked[0]
+        r1 = lanes_at(columns, first + LANES) * asked[0]
+        r2 = lanes_at(columns, first + 2 * LANES) * asked[0]
+        r3 = lanes_at(columns, first + 3 * LANES) * asked[0]
+        r4 = lanes_at(columns, first + 4 * LANES) * asked[0]
+        r5 = lanes_at(columns, first + 5 * LANES) * asked[0]
         for j in range(1, n):
             at = j * rows + first
-            a = a + lanes_at(columns, at) * asked[j]
-            b = b + lanes_at(columns, at + LANES) * asked[j]
-            c = c + lanes_at(columns, at + 2 * LANES) * asked[j]
-        put_lanes(answer, first, a)
-        put_lanes(answer, first + LANES, b)
-        put_lanes(answer, first + 2 * LANES, c)
+            r0 = r0 + lanes_at(columns, at) * asked[j]
+            r1 = r1 + lanes_at(columns, at + LANES) * asked[j]
+            r2 = r2 + lanes_at(columns, at + 2 * LANES) * asked[j]
+            r3 = r3 + lanes_at(columns, at + 3 * LANES) * asked[j]
+            r4 = r4 + lanes_at(columns, at + 4 * LANES) * asked[j]
+            r5 = r5 + lanes_at(columns, at + 5 * LANES) * asked[j]
+        put_lanes(answer, first, r0)
+        put_lanes(answer, first + LANES, r1)
+        put_lanes(answer, first + 2 * LANES, r2)
+        put_lanes(answer, first + 3 * LANES, r3)
+        put_lanes(answer, first + 4 * LANES, r4)
+        put_lanes(answer, first + 5 * LANES, r5)
     _turn(answer, old, now, coach)
     for j in range(n):
         f[j] = answer[j]

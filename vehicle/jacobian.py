@@ -13,6 +13,7 @@ from wheel_rail.compiled import Array, Record, compiled
 from wheel_rail.contact import (
     ALONG,
     DIRECTION,
+    FRAME,
     LOAD_SHARE,
     NORMAL,
     NORMAL_STIFFNESS,
@@ -124,11 +125,10 @@ def _add_contact(
 def _add_flange(i: int, q: Array, factor_q: float, coach: Record, jacobian: Array) -> None:
     """The flange's lateral stop of wheelset i, at rail level."""
     at = 18 + 6 * i
-    frame = coach.rail_frame[i, 0] if coach.offset_nodes > 0 else coach.frame[i]
+    frame = coach.wheels[FRAME : FRAME + 14, 2 * i]
     contact = coach.contact
     if lateral_offset(q[at : at + 3], frame) <= contact.flange_clearance_m:
-        if coach.offset_nodes > 0:
-            frame = coach.rail_frame[i, 1]
+        frame = coach.wheels[FRAME : FRAME + 14, 2 * i + 1]
         if lateral_offset(q[at : at + 3], frame) >= -contact.flange_clearance_m:
             return
     row = coach.probe_rows[0]

@@ -35,6 +35,7 @@ COACH = np.dtype(
         # what the contacts of the wheels are given, their forces and their report; first, because registers are read
         # fastest from where their own size goes into the address
         ("wheels", "f8", (WHEEL, LANES)),
+        ("offset_rows", "f8", (4, LANES)),  # of the rail under each wheel: to the left, up, their slopes
         ("wheel_normal", "f8", (7, LANES)),
         ("wheel_creep", "f8", (7, LANES)),
         ("report", "f8", (REPORT, LANES)),
@@ -142,7 +143,6 @@ COACH = np.dtype(
         ("probe_rows", "f8", (6, 7)),
         ("probe_force", "f8", (2, MOST_ROWS)),
         ("offsets", "f8", (8,)),
-        ("rail_frame", "f8", (4, 2, 14)),  # the track as the rail under each wheel has it; on rough rails only
     ]
 )
 

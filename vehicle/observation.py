@@ -24,7 +24,7 @@ from vehicle.layout import CLASSES, coach_at
 from vehicle.parameters import GRAVITY_MPS2
 from vehicle.suspension import place_of
 from wheel_rail.compiled import array_at, compiled, record_reader
-from wheel_rail.contact import LATERAL, LONGITUDINAL, NORMAL, SLIDE_POWER
+from wheel_rail.contact import FRAME, LATERAL, LONGITUDINAL, NORMAL, SLIDE_POWER
 from wheel_rail.recovery import CONDITION
 
 # order of the force classes in `power_w`
@@ -79,8 +79,7 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
     q, v = array_at(running.solver_at[0], shape), array_at(running.solver_at[1], shape)
     coach.frame[:] = running.frame
     coach.condition[:] = running.condition
-    if running.offset_nodes > 0:
-        coach.rail_frame[:] = running.rail_frame
+    coach.wheels[FRAME : FRAME + 14] = running.wheels[FRAME : FRAME + 14]
     for i in range(5):
         coach.s[i] = running.frame_s[i] + way_ahead(q, 18 + 6 * i if i < 4 else 0, coach.frame[i])
     for i in range(running.bodies):
@@ -144,12 +143,20 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
     for i in range(4):
         energy += 0.5 * coach.spin_inertia * v[42 + i] ** 2
     out.kinetic_energy_j = energy
-    classes = (GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, TRACK_BRAKE)
-    for k in range(len(classes)):
-        power = 0.0
-        for j in range(running.coordinates):
-            power += force[classes[k], j] * v[j]
-        out.power_w[k] = power
+    # side by side: one after the other, each sum would wait for its own last term
+    gravity = suspension = normal = creep = brake = drive = resistance = track_brake = 0.0
+    for j in range(running.coordinates):
+        gravity += force[GRAVITY, j] * v[j]
+        suspension += force[SUSPENSION, j] * v[j]
+        normal += force[CONTACT_NORMAL, j] * v[j]
+        creep += force[CREEP, j] * v[j]
+        brake += force[BRAKE, j] * v[j]
+        drive += force[DRIVE, j] * v[j]
+        resistance += force[RESISTANCE, j] * v[j]
+        track_brake += force[TRACK_BRAKE, j] * v[j]
+    powers = (gravity, suspension, normal, creep, brake, drive, resistance, track_brake)
+    for k in range(len(powers)):
+        out.power_w[k] = powers[k]
 
     for i in range(4):
         at = 18 + 6 * i

@@ -33,7 +33,7 @@ def begin_step(address: int, step_s: float) -> int:
     the next step into the solver's force vector; `address` of the coach's record.
 
     Returns FRESH, or AGED if a solver that iterates needs a new Jacobian, LOST when the state or the actuation is not
-    finite, REFUSED when the plant does not go on.
+    finite or the step has no solution, REFUSED when the plant does not go on.
     """
     coach = coach_at(address)
     shape = (coach.coordinates,)
@@ -75,8 +75,8 @@ def begin_step(address: int, step_s: float) -> int:
         aged = True
     if coach.iterates:
         return AGED if aged else FRESH
-    if aged or coach.jacobians == 0:
-        new_response(step_s, coach)
+    if (aged or coach.jacobians == 0) and not new_response(step_s, coach):
+        return LOST
     respond(f, coach)
     return FRESH
 

@@ -11,10 +11,15 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import oaconvolve
 
-from wheel_rail.compiled import Array, compiled
+from wheel_rail.compiled import Array, compiled, inlined
 from wheel_rail.irregularity_files import read_measured
 from wheel_rail.irregularity_parameters import IrregularityParameters
 from wheel_rail.irregularity_spectra import QUANTITIES, SPECTRA, Spectrum
+from wheel_rail.lanes import Lanes
+
+Three = tuple[Lanes, Lanes, Lanes]
+Frame = tuple[Three, Three, Three, Lanes, Lanes]
+"""Tangent, left, up, roll slope (rad/m), curvature (rad/m)."""
 
 # columns of the table: lateral (to the left) and vertical (up) offset of the left, then of the right rail; their slopes
 OFFSETS = 4
@@ -128,29 +133,31 @@ def rail_offsets(s_m: float, first_m: float, cell_m: float, table: Array, offset
         offsets[4 + j] = d01 * (q[j] - p[j]) + d10 * p[4 + j] + d11 * q[4 + j]
 
 
-@compiled
-def displaced_frame(position: Array, track: Array, offsets: Array, rail: int, frame: Array) -> None:
-    """Write into `frame` (14,) the track frame `track` (14,) displaced and turned as one rail has it (0 left, 1 right).
+@inlined
+def displaced_frame(place: Three, track: Frame, offset: tuple[Lanes, Lanes, Lanes, Lanes]) -> tuple[Three, Frame]:
+    """The track frame displaced and turned as a rail has it: its origin and its frame; for floats and lanes.
 
-    `offsets` (8,) are those of `rail_offsets` at the place of `position` (3,), which lies up to a millimetre before or
-    behind the track frame's origin: the origin is brought abreast of it, for on a slope of the rail that is a height.
-    In a cant ramp the rail turns with the track plane about the centreline, in a curve with the tangent on the way
-    there.
+    `place`: that of a wheel from the track frame's origin, up to a millimetre before or behind it: the rail's origin is
+    brought abreast of it, for on a slope of the rail that is a height. `track`: tangent, left, up, roll slope and
+    curvature. `offset`: the rail's to the left and up at the wheel, and their slopes. In a cant ramp the rail turns
+    with the track plane about the centreline, in a curve with the tangent on the way there.
     """
-    aside, up = offsets[2 * rail], offsets[2 * rail + 1]
-    tx, ty, tz = track[3], track[4], track[5]
-    ahead = (position[0] - track[0]) * tx + (position[1] - track[1]) * ty + (position[2] - track[2]) * tz
+    (x, y, z), ((tx, ty, tz), (nx, ny, nz), (bx, by, bz), twist, curvature) = place, track
+    aside, up, aside_slope, up_slope = offset
+    ahead = x * tx + y * ty + z * tz
     # the derivative of position + aside left + up up, where the plane's left is turned by its roll from the level
-    twist, heading = track[12], track[13] * ahead
-    turn = offsets[4 + 2 * rail] - twist * up + heading * track[11]
-    climb = offsets[5 + 2 * rail] + twist * aside - heading * track[8]
+    heading = curvature * ahead
+    turn = aside_slope - twist * up + heading * bz
+    climb = up_slope + twist * aside - heading * nz
     scale = 1.0 / math.sqrt(1.0 + turn * turn + climb * climb)
     across = 1.0 / math.sqrt(1.0 + turn * turn)
-    for j in range(3):
-        frame[j] = track[j] + ahead * track[3 + j] + aside * track[6 + j] + up * track[9 + j]
-        frame[3 + j] = (track[3 + j] + turn * track[6 + j] + climb * track[9 + j]) * scale
-        frame[6 + j] = (track[6 + j] - turn * track[3 + j]) * across
-    frame[9] = frame[4] * frame[8] - frame[5] * frame[7]
-    frame[10] = frame[5] * frame[6] - frame[3] * frame[8]
-    frame[11] = frame[3] * frame[7] - frame[4] * frame[6]
-    frame[12], frame[13] = track[12], track[13]
+    origin = (
+        ahead * tx + aside * nx + up * bx, ahead * ty + aside * ny + up * by, ahead * tz + aside * nz + up * bz
+    )  # fmt: skip
+    cx, cy, cz = (
+        (tx + turn * nx + climb * bx) * scale, (ty + turn * ny + climb * by) * scale,
+        (tz + turn * nz + climb * bz) * scale,
+    )  # fmt: skip
+    lx, ly, lz = (nx - turn * tx) * across, (ny - turn * ty) * across, (nz - turn * tz) * across
+    above = (cy * lz - cz * ly, cz * lx - cx * lz, cx * ly - cy * lx)
+    return origin, ((cx, cy, cz), (lx, ly, lz), above, twist, curvature)
