@@ -1,10 +1,12 @@
 """The coach as an Exudyn system: rigid bodies and four spinning wheelsets, solved in one run with a callback.
 
 Exudyn holds masses and coordinates and integrates (generalised-alpha); all forces come from the compiled routine of
-`vehicle.forces`. Each step is one linearised solve (no Newton iteration) with the Jacobian refreshed when it has aged.
-The spectral radius is low on purpose: creep is stiff, and at 0.9 the algorithmic accelerations of the spins ring for
-dozens of steps and a stale Jacobian makes false creep forces and chatter at standstill; at 0.1 they are gone after two
-steps, while body and bogie modes, slow against the step, stay undamped.
+`vehicle.forces`. Each step is one linearised solve (no Newton iteration): `vehicle.implicit` makes of the forces at the
+predictor those with which Exudyn's solve for the masses alone is the implicit step, by a Jacobian that is renewed when
+it has aged. As a reference Exudyn iterates by itself with such Jacobians (`newton`). The spectral radius is low on
+purpose: creep is stiff, and at 0.9 the algorithmic accelerations of the spins ring for dozens of steps and a stale
+Jacobian makes false creep forces and chatter at standstill; at 0.1 they are gone after two steps, while body and bogie
+modes, slow against the step, stay undamped.
 
 The callback has a period of its own, a whole multiple of the step. At each of its instants t_k the state of t_k is
 handed to `on_step`; what that returns acts from t_k until the next instant. So the actuation answers a state with no
@@ -228,7 +230,7 @@ class _Run:
         self._actuation: Actuation | None = None  # kept alive: the coach reads it by its address
         coordinates = int(record[0]["coordinates"])
         force = np.zeros(coordinates)
-        self._response = response = room_for_response(coordinates)  # read by its address
+        self._response = room_for_response(coordinates)  # kept alive, like the actuation
 
         def pre_step(_mbs: Any, _end_s: float) -> bool:
             steps = self.steps
@@ -271,7 +273,7 @@ class _Run:
         a = mbs.systemData.GetODE2Coordinates_tt(copy=False)
         coach = record[0]
         coach["solver_at"] = [address_of(array) for array in (q, v, a, force)]
-        coach["response_at"], coach["iterates"] = address_of(response), newton
+        coach["response_at"], coach["iterates"] = address_of(self._response), newton
         coach["track_at"], coach["track_nodes"] = address_of(track), len(track)
         address = address_of(record)
         state = CoachState(q, v, record)

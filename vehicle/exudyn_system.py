@@ -46,7 +46,7 @@ def assemble(mbs: Any, record: np.ndarray, q: np.ndarray, v: np.ndarray) -> int:
 
 
 def solver_settings(exu: ModuleType, step_s: float, longest_s: float, newton: bool = False) -> Any:
-    """Settings of Exudyn's implicit solver for linearised steps with a Jacobian that is kept.
+    """Settings of Exudyn's implicit solver for linearised steps.
 
     With `newton` each step is iterated until the forces are in balance to a tenth of a newton, or to 1e-5 of what they
     lacked at first.
