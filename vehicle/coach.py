@@ -35,7 +35,7 @@ from vehicle.start import start_state
 from vehicle.stepping import FRESH, LOST, REFUSED, begin_step
 from wheel_rail import Contact, Track
 from wheel_rail.adhesion_state import RailTables
-from wheel_rail.compiled import address_of, aligned
+from wheel_rail.compiled import address_of
 
 
 class SolverFailure(RuntimeError):
@@ -62,12 +62,12 @@ class Actuation:
 class CoachState:
     """The coach at the instant of a callback; arrays are views that change from step to step and end with the run.
 
-    `addresses`: of the coach's record and of the one in which `vehicle.observation.observe` works, for compiled code.
+    `address`: of the coach's record, for compiled code.
     """
 
     def __init__(self, q: np.ndarray, v: np.ndarray, record: np.ndarray) -> None:
-        self._watching = aligned(record)
-        self.addresses = address_of(record), address_of(self._watching)
+        self._record = record
+        self.address = address_of(record)
         self._velocity = v[:3]
         self._place = record["s"][0]
         self._rows, self._first_row = np.zeros(0, OBSERVATION), 0
@@ -89,14 +89,14 @@ class CoachState:
     @property
     def observed(self) -> np.void:
         """The coach's record (dtype `COACH`) as `observe` left it: rotations, track frames, reports of the contacts."""
-        record: np.void = self._watching[0]
+        record: np.void = self._record[0]
         return record
 
     def observe(self, t_s: float, rows: np.ndarray, row: int) -> None:
         """Write the full observation into `rows[row]`, a contiguous array of dtype `OBSERVATION`."""
         if rows is not self._rows:
             self._rows, self._first_row = rows, address_of(rows)
-        observe(t_s, *self.addresses, self._first_row + row * OBSERVATION.itemsize)
+        observe(t_s, self.address, self._first_row + row * OBSERVATION.itemsize)
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,7 @@ COACH = np.dtype(
         ("wheel_normal", "f8", (7, LANES)),
         ("wheel_creep", "f8", (7, LANES)),
         ("report", "f8", (REPORT, LANES)),
+        ("marks", "f8", (2, LANES)),  # power and speed of sliding in the step under way, for the rail
         # constants
         ("bodies", "i8"),
         ("coordinates", "i8"),

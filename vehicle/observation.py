@@ -24,7 +24,7 @@ from vehicle.layout import CLASSES, coach_at
 from vehicle.parameters import GRAVITY_MPS2
 from vehicle.suspension import place_of
 from wheel_rail.compiled import array_at, compiled, record_reader
-from wheel_rail.contact import FRAME, LATERAL, LONGITUDINAL, NORMAL, SLIDE_POWER
+from wheel_rail.contact import LATERAL, LONGITUDINAL, NORMAL, SLIDE_POWER
 from wheel_rail.recovery import CONDITION
 
 # order of the force classes in `power_w`
@@ -66,38 +66,21 @@ _row_at = record_reader(OBSERVATION)
 
 
 @compiled
-def observe(t_s: float, address: int, watching_address: int, row_address: int) -> None:
+def observe(t_s: float, address: int, row_address: int) -> None:
     """Write the observation at time t and the solver's state into the row (dtype OBSERVATION) at `row_address`.
 
-    `address` is that of the coach's record; the forces are worked out in `watching_address`, a record of the same
-    coach, so that watching does not touch the run.
+    `address` is that of the coach's record. What is overwritten there the next step works out anew: watching does not
+    touch the run.
     """
-    running = coach_at(address)
-    coach = coach_at(watching_address)
+    coach = coach_at(address)
     out = _row_at(row_address)
-    shape = (running.coordinates,)
-    q, v = array_at(running.solver_at[0], shape), array_at(running.solver_at[1], shape)
-    coach.frame[:] = running.frame
-    coach.condition[:] = running.condition
-    coach.wheels[FRAME : FRAME + 14] = running.wheels[FRAME : FRAME + 14]
-    for i in range(5):
-        coach.s[i] = running.frame_s[i] + way_ahead(q, 18 + 6 * i if i < 4 else 0, coach.frame[i])
-    for i in range(running.bodies):
-        for j in range(4):
-            coach.attitude[i, j] = running.attitude[i, j]
-        for j in range(3):
-            coach.turned[i, j] = running.turned[i, j]
-    for i in range(4):
-        coach.capacity[i] = running.capacity[i]
-        coach.drive[i] = running.drive[i]
-        coach.track_brake[i // 2] = running.track_brake[i // 2]
-        coach.wind_up[i] = running.wind_up[i]
-        coach.angle[i] = running.angle[i]
+    shape = (coach.coordinates,)
+    q, v = array_at(coach.solver_at[0], shape), array_at(coach.solver_at[1], shape)
     forces_on_rails(q, v, coach)
     force = coach.force
     out.t_s = t_s
-    out.position_m = coach.s[4]
     frame = coach.frame[4]
+    out.position_m = coach.frame_s[4] + way_ahead(q, 0, frame)
     speed = v[0] * frame[3] + v[1] * frame[4] + v[2] * frame[5]
     out.speed_mps = speed
     r = coach.rotation[0]
@@ -128,7 +111,7 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
     for j in range(3):
         out.momentum_ns[j] = 0.0
         out.external_force_n[j] = 0.0
-    for i in range(running.bodies):
+    for i in range(coach.bodies):
         at = place_of(i)
         for j in range(3):
             out.momentum_ns[j] += coach.mass[i] * v[at + j]
@@ -145,7 +128,7 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
     out.kinetic_energy_j = energy
     # side by side: one after the other, each sum would wait for its own last term
     gravity = suspension = normal = creep = brake = drive = resistance = track_brake = 0.0
-    for j in range(running.coordinates):
+    for j in range(coach.coordinates):
         gravity += force[GRAVITY, j] * v[j]
         suspension += force[SUSPENSION, j] * v[j]
         normal += force[CONTACT_NORMAL, j] * v[j]
@@ -161,7 +144,7 @@ def observe(t_s: float, address: int, watching_address: int, row_address: int) -
     for i in range(4):
         at = 18 + 6 * i
         frame = coach.frame[i]
-        out.wheelset_position_m[i] = coach.s[i]
+        out.wheelset_position_m[i] = coach.frame_s[i] + way_ahead(q, at, frame)
         out.wheelset_speed_mps[i] = v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5]
         out.rim_speed_mps[i] = v[42 + i] * (
             coach.contact.radius_m + 0.5 * (coach.oversize[i, 0] + coach.oversize[i, 1])

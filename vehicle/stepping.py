@@ -16,7 +16,7 @@ from vehicle.suspension import commit_attitudes, friction_has_changed
 from wheel_rail.adhesion_condition import rail_conditions
 from wheel_rail.adhesion_memory import remember_friction
 from wheel_rail.adhesion_state import RailTables, crush_sand, deposit, rail_of
-from wheel_rail.compiled import Array, Record, array_at, call_at, compiled
+from wheel_rail.compiled import Array, Record, array_at, call_at, compiled, inlined
 from wheel_rail.contact import LONGITUDINAL, NORMAL, PENETRATION, SECANT, SLIDE, SLIDE_POWER, SLIDE_SPEED, TANGENT
 from wheel_rail.lane_arrays import lanes_at, put_lanes
 from wheel_rail.lanes import LANES, some
@@ -61,6 +61,8 @@ def begin_step(address: int, step_s: float) -> int:
         wind_up = coach.wind_up[i] + q[42 + i] - coach.angle[i]
         coach.wind_up[i] = min(max(wind_up, -limit), limit)
         coach.angle[i] = q[42 + i]
+    if coach.iterates:
+        _note_marks(coach)
     _mark_rail(step_s, coach, rail)
     for i in range(5):
         at = 18 + 6 * i if i < 4 else 0
@@ -69,6 +71,7 @@ def begin_step(address: int, step_s: float) -> int:
     commit_attitudes(q, coach)
     _to_predictor(q, v, a, step_s, coach)
     forces_by_class(coach.ahead_q, coach.ahead_v, coach, track, rail)
+    _note_marks(coach)
     add_classes(coach, f)
     aged = _jacobian_has_aged(step_s, coach)
     if coach.rubbing_count > 0 and friction_has_changed(coach.ahead_q, coach.ahead_v, coach):
@@ -81,10 +84,17 @@ def begin_step(address: int, step_s: float) -> int:
     return FRESH
 
 
+@inlined
+def _note_marks(coach: Record) -> None:
+    """Keep of the report what the step will do to the rail: who observes the coach works the forces out anew."""
+    put_lanes(coach.marks, 0, lanes_at(coach.report, SLIDE_POWER * LANES))
+    put_lanes(coach.marks, LANES, lanes_at(coach.report, SLIDE_SPEED * LANES))
+
+
 @compiled
 def _mark_rail(step_s: float, coach: Record, rail: RailTables) -> None:
     """What the wheels have done to the rail in the step that has ended: energy left, sand crushed and laid."""
-    power, slide = coach.report[SLIDE_POWER], coach.report[SLIDE_SPEED]
+    power, slide = coach.marks[0], coach.marks[1]
     for i in range(4):
         deposit(rail, coach.passed[i], coach.s[i], step_s * power[2 * i], step_s * power[2 * i + 1])
         if rail.memory_distance_m > 0.0:

@@ -44,7 +44,6 @@ LOOP = np.dtype(
         # where things stand: records of coach and brake, tachometers, rows to be written, actuation, sanders (0: none),
         # traction, what the controller answered last
         ("coach_at", "i8"),
-        ("watching_at", "i8"),
         ("brake_at", "i8"),
         ("tachometer_at", "i8"),
         ("tachometer_rows", "i8"),
@@ -181,7 +180,7 @@ def act(address: int, t_s: float) -> int:
     brake = _brake_at(loop.brake_at)
     v = array_at(coach.solver_at[1], (46,))
     if loop.periods % loop.periods_per_record == 0:
-        observe(t_s, loop.coach_at, loop.watching_at, loop.motion_at + loop.row * _MOTION_BYTES)
+        observe(t_s, loop.coach_at, loop.motion_at + loop.row * _MOTION_BYTES)
         _write_brake_row(address)
         loop.row += 1
     speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])

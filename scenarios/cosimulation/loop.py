@@ -130,7 +130,7 @@ class Loop:
         """The coach's callback, every `TICK_S`; see the head of `scenarios.cosimulation.simulation` for the order."""
         if self._ticks == 0:
             self._state = state
-            self._numbers["coach_at"], self._numbers["watching_at"] = state.addresses
+            self._numbers["coach_at"] = state.address
         return self._actuation if self._tick(t_s) else None
 
     @property
