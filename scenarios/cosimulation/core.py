@@ -166,7 +166,6 @@ def _obey(address: int) -> bool:
     return drive(loop.traction_at, loop.traction_n, state[pulse_edges.SPEED], loop.valid)
 
 
-@compiled
 def act(address: int, t_s: float) -> int:
     """A period: at a tick commands go out; at its own times the recorder writes down what is true at `t_s`; then the
     brake plant advances and the actuation is set.
@@ -199,16 +198,12 @@ def act(address: int, t_s: float) -> int:
 
 def act_address() -> int:
     """Address of `act` as a C function."""
-    return int(_act_entry().address)
+    return int(_compiled_act().address)
 
 
 @cache  # which keeps it alive
-def _act_entry() -> Any:
-    return cfunc(types.int64(types.int64, types.float64), cache=True, error_model="numpy")(_act)
-
-
-def _act(address: int, t_s: float) -> int:
-    return act(address, t_s)
+def _compiled_act() -> Any:
+    return cfunc(types.int64(types.int64, types.float64), cache=True, error_model="numpy")(act)
 
 
 @compiled
