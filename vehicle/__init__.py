@@ -4,7 +4,8 @@ Conventions: coach frame x forward, y left, z up, pitch positive nose down; whee
 torque is a capacity >= 0, a drive torque is positive forwards. SI units; forces act on the body named.
 """
 
-from vehicle.coach import Actuation, Coach, CoachState, Plant, SolveReport, SolverFailure
+from vehicle.coach import Coach, SolveReport, SolverFailure
+from vehicle.interface import Actuation, CoachState, Plant
 from vehicle.observation import OBSERVATION, POWERS
 from vehicle.parameters import COACH_PRESETS, GRAVITY_MPS2, CoachParameters
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicle.coach import Actuation, Coach, CoachState
+from vehicle.coach import Coach
 from vehicle.forces import CONTACT_NORMAL, CREEP
+from vehicle.interface import Actuation, CoachState
 from vehicle.layout import SPIN
 from vehicle.linear import clean_rail, polach_contact, without_resistance
 from vehicle.observation import OBSERVATION

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from vehicle.coach import Actuation, Coach, CoachState
+from vehicle.coach import Coach
+from vehicle.interface import Actuation, CoachState
 from vehicle.linear import Linearisation, clean_rail, conical, polach_contact, without_resistance
 from vehicle.modes import RIGID_HZ
 from vehicle.observation import OBSERVATION

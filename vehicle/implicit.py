@@ -27,14 +27,14 @@ _OTHER_YAW = 0.002
 _AT_ONCE = 6 * LANES  # rows; one group of them holds a coach, two one with axle boxes of their own
 
 
-def room_for_response(coordinates: int) -> np.ndarray:
-    """Array for `coach.response_at`: column by column, rows filled up with zeros to whole groups."""
-    return aligned(np.zeros((coordinates, -(-coordinates // _AT_ONCE) * _AT_ONCE)))
-
-
 @inlined
 def _rows(coordinates: int) -> int:
     return -(-coordinates // _AT_ONCE) * _AT_ONCE
+
+
+def room_for_response(coordinates: int) -> np.ndarray:
+    """Array for `coach.response_at`: column by column, rows filled up with zeros to whole groups."""
+    return aligned(np.zeros((coordinates, _rows.py_func(coordinates))))
 
 
 @compiled

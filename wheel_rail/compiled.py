@@ -72,7 +72,7 @@ _REGISTER_BYTES = 64
 
 
 def aligned(array: np.ndarray) -> np.ndarray:
-    """A copy that begins where the registers of `wheel_rail.lanes` begin: read across, they take twice the time."""
+    """A copy at a multiple of the size of the registers of `wheel_rail.lanes`: elsewhere each read of one is two."""
     room = np.empty(array.nbytes + _REGISTER_BYTES, np.uint8)
     first = -room.ctypes.data % _REGISTER_BYTES
     copy = room[first : first + array.nbytes].view(array.dtype).reshape(array.shape)

@@ -138,7 +138,7 @@ def _new_block() -> tuple[np.ndarray, np.ndarray]:
 def _own_pages(dtype: np.dtype) -> np.ndarray:
     """Rows of zeros in pages of their own, which the system has back with the block; the allocator would keep them.
 
-    Huge pages where there are any: to be handed one by one, small ones cost as much time as a twentieth of a step.
+    Huge pages where there are any: small ones are handed out one by one, within the run.
     """
     size = _BLOCK * dtype.itemsize
     pages = mmap.mmap(-1, -(-size // _HUGE_PAGE) * _HUGE_PAGE, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)

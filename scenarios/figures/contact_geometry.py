@@ -25,12 +25,11 @@ def draw_contact_geometry(
     name: str,
     reach_m: float = 0.01,
     published_place_mm: Points = (),
-    published_conicity: Points = (),
 ) -> Figure:
     """Solid: rigid wheelset and track, which may leap; dotted: bodies pressed into each other by 45 um, as under 70 kN.
 
-    `name` goes into the title; `published_...`: (displacement or amplitude in mm, figure) to be marked, the places on
-    the left wheel. Raises ValueError if a profile ends within `reach_m`.
+    `name` goes into the title; `published_place_mm`: (displacement in mm, place) to be marked, on the left wheel.
+    Raises ValueError if a profile ends within `reach_m`.
     """
     count = round(reach_m / STEP_M)
     y_m = STEP_M * np.arange(-count, count + 1)
@@ -39,9 +38,7 @@ def draw_contact_geometry(
         tables, wheel_radius_m, name, "solid: rigid, dotted: pressed in by 45 µm; flange and gauge side negative"
     )
     _mark(figure.axes[0], published_place_mm, "CONTACT, left wheel")
-    _mark(figure.axes[-1], published_conicity, "published")
     legend(figure.axes[0], place="lower center")
-    legend(figure.axes[-1], place="upper left")
     return figure
 
 

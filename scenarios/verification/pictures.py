@@ -16,7 +16,7 @@ from scenarios.verification.contact_mechanics import (
     tractcurv_patch,
 )
 from scenarios.verification.creep_laws import CONSTANT_FRICTION, FALLING_CURVE_N, FALLING_FRICTION, FASTSIM_CURVE_N
-from scenarios.verification.profiles import A22_CONTACTS, CONICITIES, TRAILING, WHEEL_RADIUS_M, geometry
+from scenarios.verification.profiles import A22_CONTACTS, TRAILING, WHEEL_RADIUS_M, geometry
 from wheel_rail.creep_laws import CREEP_LAWS
 
 
@@ -25,7 +25,6 @@ def write_pictures(folder: Path) -> list[tuple[str, str]]:
     slope, gauge_mm = 40, 1435.0
     # the trailing wheel is the left one of a wheelset displaced to the other side
     places = [(-y if wheel == TRAILING else y, place) for y, wheel, place, *_ in A22_CONTACTS]
-    conicity = [(3.0, figure) for s, gauge, figure in CONICITIES if (s, gauge) == (slope, gauge_mm)]
     sheet = CreepSheet(
         LOAD_N,
         tractcurv_patch(),
@@ -39,7 +38,7 @@ def write_pictures(folder: Path) -> list[tuple[str, str]]:
     name = f"S1002 on UIC60 at 1:{slope}, gauge {gauge_mm:.0f} mm"
     with figure_style():
         pair = geometry("s1002", "uic60", 1 / slope, gauge_mm / 1e3)
-        contact = draw_contact_geometry(pair, WHEEL_RADIUS_M, name, 0.01, places, conicity)
+        contact = draw_contact_geometry(pair, WHEEL_RADIUS_M, name, 0.01, places)
         creep = draw_creep_laws({law: entry.in_force() for law, entry in CREEP_LAWS.items()}, sheet)
         drawn = [
             ("validation-contact-geometry.png", f"Contact geometry of {name}", contact),
