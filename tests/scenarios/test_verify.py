@@ -34,7 +34,7 @@ def test_figure(case: Case) -> None:
 
 def test_contact_figure_shows_the_table_over_displacement() -> None:
     pair = profiles.geometry("s1002", "uic60", 1 / 40, 1.435)
-    figure = draw_contact_geometry(pair, 0.46, "test", 0.008, [(1.0, -9.0)], [(3.0, 0.18)])
+    figure = draw_contact_geometry(pair, 0.46, "test", 0.008, [(1.0, -9.0)])
     wheel, difference, *_ = figure.axes
     assert {axes.get_ylabel().rpartition("  ")[2] for axes in figure.axes} == {"mm", "mrad", "deg", "-"}
     assert {"left wheel", "right wheel", "CONTACT, left wheel"} == set(wheel.get_legend_handles_labels()[1])
