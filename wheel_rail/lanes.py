@@ -2,7 +2,8 @@
 
 The eight contacts are the same arithmetic eight times. Functions written for floats take lanes as well when they choose
 with `where` instead of branches: arithmetic, comparisons, sqrt, exp, atan and cbrt are defined for both. Each operation
-is the IEEE one of every lane; only exp, atan and cbrt are worked out here, to a few units in the last place.
+is the IEEE one of every lane, or a fused product and sum; only exp, atan and cbrt are worked out here, to a few units
+in the last place.
 
 Lanes live inside of compiled functions; `wheel_rail.lane_arrays` takes them from arrays and back. They do not go into
 lists: numba lays those out without the alignment that a register wants.
@@ -107,7 +108,7 @@ for _plain, _in_place, _instruction in (
 ):
     for _function in (_plain, _in_place):
         _define_operator(
-            _function, LANES_TYPE, LANES_TYPE, lambda builder, a, b, name=_instruction: getattr(builder, name)(a, b)
+            _function, LANES_TYPE, LANES_TYPE, lambda builder, a, b, name=_instruction: getattr(builder, name)(a, b, flags=("contract",))
         )
 for _function, _sign in ((operator.lt, "<"), (operator.le, "<="), (operator.gt, ">"), (operator.ge, ">=")):
     _define_operator(
