@@ -9,7 +9,8 @@ import math
 
 from vehicle.layout import CLASSES, MOST_COORDINATES
 from vehicle.parameters import GRAVITY_MPS2
-from vehicle.suspension import add_suspension, body_frames, place_of
+from vehicle.rotations import body_frames, place_of
+from vehicle.suspension import add_suspension
 from wheel_rail.adhesion_condition import rail_conditions
 from wheel_rail.adhesion_memory import recall_friction
 from wheel_rail.adhesion_state import RailTables

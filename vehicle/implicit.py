@@ -11,7 +11,7 @@ import numpy as np
 
 from vehicle.inverse import invert
 from vehicle.jacobian import fill_jacobian
-from vehicle.suspension import place_of
+from vehicle.rotations import place_of
 from wheel_rail.compiled import Array, Record, aligned, array_at, compiled, inlined
 from wheel_rail.lane_arrays import lanes_at, put_lanes
 from wheel_rail.lanes import LANES

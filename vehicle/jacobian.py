@@ -8,7 +8,7 @@ of the creep force.
 
 import math
 
-from vehicle.suspension import add_suspension_jacobian
+from vehicle.suspension_jacobian import add_suspension_jacobian
 from wheel_rail.compiled import Array, Record, compiled
 from wheel_rail.contact import (
     ALONG,

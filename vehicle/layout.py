@@ -11,6 +11,7 @@ integrator), and `attitude` is where the body had turned to when the turn was `t
 import numpy as np
 
 from vehicle.elements import CURVE_POINTS, CURVES, ELEMENTS, RUBBING, fill_elements
+from vehicle.pairs import KNOT, KNOTS, MOST_BATCHES, PLACES, SLOT, SLOTS, arrange_pairs
 from vehicle.parameters import CoachParameters
 from vehicle.wheels import MOST_HARMONICS
 from wheel_rail import CONTACT, Contact
@@ -40,6 +41,11 @@ COACH = np.dtype(
         ("wheel_creep", "f8", (7, LANES)),
         ("report", "f8", (REPORT, LANES)),
         ("marks", "f8", (2, LANES)),  # power and speed of sliding in the step under way, for the rail
+        # the elements in lanes, see `vehicle.pairs`
+        ("pair_place", "i8", (MOST_BATCHES, PLACES, LANES)),
+        ("pair_turning", "f8", (MOST_BATCHES, 6, LANES)),  # rotational stiffness and damping
+        ("slot", "f8", (SLOTS, SLOT, LANES)),
+        ("knot", "f8", (KNOTS, KNOT, LANES)),
         # constants
         ("bodies", "i8"),
         ("coordinates", "i8"),
@@ -73,6 +79,9 @@ COACH = np.dtype(
         ("curve_force", "f8", (CURVES, 2, CURVE_POINTS)),
         ("curve_slope", "f8", (CURVES, 2, CURVE_POINTS)),  # of the piece that ends at the point
         ("curve_points", "i8", (CURVES, 2)),
+        ("batches", "i8"),
+        ("pair_slots", "i8", (MOST_BATCHES, 2)),  # from, to
+        ("slot_knots", "i8", (SLOTS, 3, 2, 2)),  # of each axis over deflection and over speed: from, to
         ("rubbing", "i8", (RUBBING, 2)),  # elements and axes with dry friction
         ("rubbing_count", "i8"),
         ("bogie_of", "i8", (4,)),
@@ -172,6 +181,7 @@ def coach_record(parameters: CoachParameters, contact: Contact) -> np.ndarray:
     c["harmonics"], c["harmonic"] = p.wheels.harmonics()
     c["uneven"] = bool(p.wheels.out_of_roundness)
     fill_elements(c, p, centres(p, contact))
+    arrange_pairs(c)
     return coach
 
 

@@ -22,7 +22,7 @@ from vehicle.forces import (
 )
 from vehicle.layout import CLASSES, coach_at
 from vehicle.parameters import GRAVITY_MPS2
-from vehicle.suspension import place_of
+from vehicle.rotations import place_of
 from wheel_rail.compiled import array_at, compiled, record_reader
 from wheel_rail.contact import LATERAL, LONGITUDINAL, NORMAL, SLIDE_POWER
 from wheel_rail.recovery import CONDITION

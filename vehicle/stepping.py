@@ -12,7 +12,8 @@ import math
 from vehicle.forces import add_classes, forces_by_class
 from vehicle.implicit import ALPHA_F, ALPHA_M, BETA, GAMMA, new_response, respond, yaw_has_changed
 from vehicle.layout import ACTUATION, coach_at
-from vehicle.suspension import commit_attitudes, friction_has_changed
+from vehicle.rotations import commit_attitudes
+from vehicle.suspension_jacobian import friction_has_changed
 from wheel_rail.adhesion_condition import rail_conditions
 from wheel_rail.adhesion_memory import remember_friction
 from wheel_rail.adhesion_state import RailTables, crush_sand, deposit, rail_of

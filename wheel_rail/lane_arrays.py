@@ -1,7 +1,8 @@
 """Lanes (`wheel_rail.lanes`) from arrays, and back.
 
 Arrays are contiguous, of any shape, and counted through; nothing is checked. With a `stride` the floats stand at
-`offset`, `offset + stride` ...: one for each wheel, or one for each wheelset.
+`offset`, `offset + stride` ...: one for each wheel, or one for each wheelset. With `places`, an array of integers, they
+stand `shift` behind the eight places from `first` on.
 """
 
 from typing import Any
@@ -99,3 +100,46 @@ def put_wheelsets(_typing: Any, array: Any, offset: Any, stride: Any, value: Any
         return context.get_dummy_value()
 
     return types.none(array, types.intp, types.intp, LANES_TYPE), code
+
+
+def _placed(context: Any, builder: Any, sig: Any, args: Any) -> list[Any]:
+    """Pointers to the floats at eight places."""
+    array, places, first, shift = args[:4]
+    return [
+        _place(
+            context,
+            builder,
+            sig.args[0],
+            array,
+            builder.add(
+                builder.load(_place(context, builder, sig.args[1], places, builder.add(first, first.type(k)))), shift
+            ),
+        )
+        for k in range(LANES)
+    ]
+
+
+@intrinsic
+def of_places(_typing: Any, array: Any, places: Any, first: Any, shift: Any) -> Any:
+    """The float at each place."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        vector = ir.Constant(DOUBLES, ir.Undefined)
+        for k, place in enumerate(_placed(context, builder, sig, args)):
+            vector = builder.insert_element(vector, builder.load(place), ir.IntType(32)(k))
+        return vector
+
+    return LANES_TYPE(array, places, types.intp, types.intp), code
+
+
+@intrinsic
+def add_at_places(_typing: Any, array: Any, places: Any, first: Any, shift: Any, value: Any) -> Any:
+    """Add a lane to the float at each place, one after the other: places may be alike."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        for k, place in enumerate(_placed(context, builder, sig, args)):
+            lane = builder.extract_element(args[4], ir.IntType(32)(k))
+            builder.store(builder.fadd(builder.load(place), lane), place)
+        return context.get_dummy_value()
+
+    return types.none(array, places, types.intp, types.intp, LANES_TYPE), code

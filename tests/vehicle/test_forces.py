@@ -9,6 +9,7 @@ from tests.vehicle.conftest import Bench, MakeBench
 from vehicle.forces import GRAVITY, SUSPENSION, coach_force, forces_by_class
 from vehicle.jacobian import coach_jacobian
 from vehicle.layout import BODIES, SPIN
+from vehicle.pairs import arrange_pairs
 from vehicle.start import start_state
 from wheel_rail.contact import NORMAL
 from wheel_rail.contact_table import NODES, SLOPE
@@ -75,6 +76,7 @@ def test_springs_without_dampers_are_conservative(make_bench: MakeBench, seed: i
     coach["rotational_damping"] = 0.0
     coach["damper"] = -1
     coach["rotational_stiffness"] = 0.0  # taken from half-angles, conservative only to second order
+    arrange_pairs(coach)
     rng = np.random.default_rng(seed)
     one, two = (np.concatenate([rng.uniform(-0.005, 0.005, 18), np.zeros(28)]) for _ in range(2))
     # translations only: the generalised forces are then the gradient of the energy without further terms
