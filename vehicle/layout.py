@@ -13,6 +13,7 @@ import numpy as np
 from vehicle.elements import CURVE_POINTS, CURVES, ELEMENTS, RUBBING, fill_elements
 from vehicle.pairs import KNOT, KNOTS, MOST_BATCHES, PLACES, SLOT, SLOTS, arrange_pairs
 from vehicle.parameters import CoachParameters
+from vehicle.rotations import BODY_LANES
 from vehicle.wheels import MOST_HARMONICS
 from wheel_rail import CONTACT, Contact
 from wheel_rail.adhesion_memory import MEMORY
@@ -48,6 +49,7 @@ COACH = np.dtype(
         ("knot", "f8", (KNOTS, KNOT, LANES)),
         # constants
         ("bodies", "i8"),
+        ("body_place", "i8", (BODY_LANES,)),  # first coordinate of each
         ("coordinates", "i8"),
         ("elements", "i8"),
         ("mass", "f8", (MOST_BODIES,)),
@@ -105,8 +107,8 @@ COACH = np.dtype(
         ("plant_at", "i8", (2,)),
         ("plant_said", "i8"),
         # what changes from step to step
-        ("attitude", "f8", (MOST_BODIES, 4)),  # unit quaternion (w, x, y, z) of the last committed rotation
-        ("turned", "f8", (MOST_BODIES, 3)),  # turn coordinates at that rotation
+        ("attitude", "f8", (4, BODY_LANES)),  # unit quaternion (w, x, y, z) of each body's last committed rotation
+        ("turned", "f8", (3, BODY_LANES)),  # turn coordinates at that rotation
         ("memory", "f8", (2, 4, MEMORY)),  # what each wheel remembers of its friction
         ("passed", "f8", (4,)),  # place up to which each wheelset has left its mark on the rail
         ("sanders_at", "i8"),  # rows of `Sanders.rows`, so many
@@ -123,7 +125,7 @@ COACH = np.dtype(
         ("ahead_q", "f8", (MOST_COORDINATES,)),  # the predictor
         ("ahead_v", "f8", (MOST_COORDINATES,)),
         # worked out in every evaluation
-        ("rotation", "f8", (MOST_BODIES, 3, 3)),
+        ("rotation", "f8", (BODY_LANES, 3, 3)),
         ("frame", "f8", (5, 14)),  # of the track, at the places frame_s
         ("frame_s", "f8", (5,)),
         (
@@ -168,6 +170,7 @@ def coach_record(parameters: CoachParameters, contact: Contact) -> np.ndarray:
     explicit = p.axle_boxes == "explicit"
     c["bodies"] = MOST_BODIES if explicit else BODIES
     c["coordinates"] = MOST_COORDINATES if explicit else COORDINATES
+    c["body_place"][: c["bodies"]] = [first_coordinate(i) for i in range(c["bodies"])]
     _masses(c, p)
     c["spin_inertia"] = p.wheelset.spin_inertia_kgm2
     c["resistance"] = (p.resistance.a_n, p.resistance.b_nspm, p.resistance.c_ns2pm2)

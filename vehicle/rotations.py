@@ -1,6 +1,13 @@
-"""Where the bodies' coordinates stand, and how the bodies are turned: quaternions that grow step by step."""
+"""Where the bodies' coordinates stand, and how the bodies are turned: quaternions that grow step by step.
+
+Eight bodies are worked on at once, a lane for each; lanes without a body follow the carbody and are not read.
+"""
 
 from wheel_rail.compiled import Array, Record, compiled, inlined
+from wheel_rail.lane_arrays import lanes_at, of_places, put_lanes, put_wheels
+from wheel_rail.lanes import LANES, Lanes
+
+BODY_LANES = 2 * LANES
 
 
 @inlined
@@ -12,36 +19,35 @@ def place_of(body: int) -> int:
 @compiled
 def body_frames(q: Array, coach: Record) -> None:
     """Rotation matrices of the bodies at q."""
-    for i in range(coach.bodies):
-        w, x, y, z = attitude(i, q, coach)
-        r = coach.rotation[i]
-        r[0, 0] = 1.0 - 2.0 * (y * y + z * z)
-        r[0, 1] = 2.0 * (x * y - w * z)
-        r[0, 2] = 2.0 * (x * z + w * y)
-        r[1, 0] = 2.0 * (x * y + w * z)
-        r[1, 1] = 1.0 - 2.0 * (x * x + z * z)
-        r[1, 2] = 2.0 * (y * z - w * x)
-        r[2, 0] = 2.0 * (x * z - w * y)
-        r[2, 1] = 2.0 * (y * z + w * x)
-        r[2, 2] = 1.0 - 2.0 * (x * x + y * y)
+    for first in range(0, coach.bodies, LANES):
+        w, x, y, z = _attitudes(first, q, coach)
+        at, rotation = 9 * first, coach.rotation
+        put_wheels(rotation, at, 9, 1.0 - 2.0 * (y * y + z * z))
+        put_wheels(rotation, at + 1, 9, 2.0 * (x * y - w * z))
+        put_wheels(rotation, at + 2, 9, 2.0 * (x * z + w * y))
+        put_wheels(rotation, at + 3, 9, 2.0 * (x * y + w * z))
+        put_wheels(rotation, at + 4, 9, 1.0 - 2.0 * (x * x + z * z))
+        put_wheels(rotation, at + 5, 9, 2.0 * (y * z - w * x))
+        put_wheels(rotation, at + 6, 9, 2.0 * (x * z - w * y))
+        put_wheels(rotation, at + 7, 9, 2.0 * (y * z + w * x))
+        put_wheels(rotation, at + 8, 9, 1.0 - 2.0 * (x * x + y * y))
 
 
-@compiled
-def attitude(i: int, q: Array, coach: Record) -> tuple[float, float, float, float]:
-    """Unit quaternion of body i at q: the committed one, turned by what the turn coordinates have grown since."""
-    at = place_of(i)
-    a = 0.5 * (q[at + 3] - coach.turned[i, 0])
-    b = 0.5 * (q[at + 4] - coach.turned[i, 1])
-    c = 0.5 * (q[at + 5] - coach.turned[i, 2])
+@inlined
+def _attitudes(first: int, q: Array, coach: Record) -> tuple[Lanes, Lanes, Lanes, Lanes]:
+    """Unit quaternions of eight bodies at q: the committed ones, turned by what the turn coordinates have grown since.
+    """
+    old, turned, places = coach.attitude, coach.turned, coach.body_place
+    a = 0.5 * (of_places(q, places, first, 3) - lanes_at(turned, first))
+    b = 0.5 * (of_places(q, places, first, 4) - lanes_at(turned, first + BODY_LANES))
+    c = 0.5 * (of_places(q, places, first, 5) - lanes_at(turned, first + 2 * BODY_LANES))
     angle2 = a * a + b * b + c * c
     # sine over angle and cosine to rounding for half turns below 0.03 rad: a step turns a body by far less
-    s = 1.0 - angle2 / 6.0 * (1.0 - angle2 / 20.0 * (1.0 - angle2 / 42.0))
-    d = 1.0 - 0.5 * angle2 * (1.0 - angle2 / 12.0 * (1.0 - angle2 / 30.0))
-    a *= s
-    b *= s
-    c *= s
-    old = coach.attitude[i]
-    w, x, y, z = old[0], old[1], old[2], old[3]
+    s = 1.0 - angle2 * (1.0 / 6.0 - angle2 * (1.0 / 120.0 - angle2 * (1.0 / 5040.0)))
+    d = 1.0 - angle2 * (0.5 - angle2 * (1.0 / 24.0 - angle2 * (1.0 / 720.0)))
+    a, b, c = a * s, b * s, c * s
+    w, x = lanes_at(old, first), lanes_at(old, first + BODY_LANES)
+    y, z = lanes_at(old, first + 2 * BODY_LANES), lanes_at(old, first + 3 * BODY_LANES)
     return (
         w * d - x * a - y * b - z * c,
         w * a + x * d + y * c - z * b,
@@ -53,11 +59,15 @@ def attitude(i: int, q: Array, coach: Record) -> tuple[float, float, float, floa
 @compiled
 def commit_attitudes(q: Array, coach: Record) -> None:
     """Take the rotations at q as those from which the next turns count."""
-    for i in range(coach.bodies):
-        w, x, y, z = attitude(i, q, coach)
+    old, turned, places = coach.attitude, coach.turned, coach.body_place
+    for first in range(0, coach.bodies, LANES):
+        w, x, y, z = _attitudes(first, q, coach)
         # one Newton step to unit length: products drift by rounding only
         scale = 1.5 - 0.5 * (w * w + x * x + y * y + z * z)
-        own = coach.attitude[i]
-        own[0], own[1], own[2], own[3] = w * scale, x * scale, y * scale, z * scale
-        for j in range(3):
-            coach.turned[i, j] = q[place_of(i) + 3 + j]
+        put_lanes(old, first, w * scale)
+        put_lanes(old, first + BODY_LANES, x * scale)
+        put_lanes(old, first + 2 * BODY_LANES, y * scale)
+        put_lanes(old, first + 3 * BODY_LANES, z * scale)
+        put_lanes(turned, first, of_places(q, places, first, 3))
+        put_lanes(turned, first + BODY_LANES, of_places(q, places, first, 4))
+        put_lanes(turned, first + 2 * BODY_LANES, of_places(q, places, first, 5))

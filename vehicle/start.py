@@ -45,7 +45,7 @@ def start_state(
         first = first_coordinate(i)
         q[first : first + 3] = place + ahead * axes[0] + (y - roll * z) * axes[1] + (z + lift) * axes[2]
         turned = Rotation.from_matrix(axes.T) * Rotation.from_rotvec([roll, pitch, 0.0])
-        coach["attitude"][i] = turned.as_quat(scalar_first=True)
+        coach["attitude"][:, i] = turned.as_quat(scalar_first=True)
         v[first : first + 3] = speed_mps * axes[0]
         if i == 0 or BODIES - 4 <= i < BODIES:
             coach["s"][i - 3 if i else 4] = position_m + x

@@ -67,6 +67,21 @@ def of_wheels(_typing: Any, array: Any, offset: Any, stride: Any) -> Any:
 
 
 @intrinsic
+def put_wheels(_typing: Any, array: Any, offset: Any, stride: Any, value: Any) -> Any:
+    """Write one float for each wheel."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        array, offset, stride, value = args
+        for k in range(LANES):
+            at = builder.add(offset, builder.mul(stride, stride.type(k)))
+            lane = builder.extract_element(value, ir.IntType(32)(k))
+            builder.store(lane, _place(context, builder, sig.args[0], array, at))
+        return context.get_dummy_value()
+
+    return types.none(array, types.intp, types.intp, LANES_TYPE), code
+
+
+@intrinsic
 def of_wheelsets(_typing: Any, array: Any, offset: Any, stride: Any) -> Any:
     """One float for each wheelset, in the lanes of its left and its right wheel."""
 

@@ -37,8 +37,8 @@ class Compiled:
         coach = self.record[0]
         for i, (place, own) in enumerate(zip(q.reshape(7, 6), v.reshape(7, 6), strict=True)):
             self.q[6 * i : 6 * i + 3] = self.centres[i] + place[:3]
-            coach["attitude"][i] = Rotation.from_rotvec(place[3:]).as_quat(scalar_first=True)
-            coach["turned"][i] = self.q[6 * i + 3 : 6 * i + 6]
+            coach["attitude"][:, i] = Rotation.from_rotvec(place[3:]).as_quat(scalar_first=True)
+            coach["turned"][:, i] = self.q[6 * i + 3 : 6 * i + 6]
             self.v[6 * i : 6 * i + 6] = own
 
     def forces(self) -> np.ndarray:
@@ -140,6 +140,6 @@ def test_free_swings_agree(parameters: CoachParameters, compiled: Compiled) -> N
     print(f"bodies moved by up to {moved:.3f} m; places differ by {np.abs(here - there).max():.1e} m")
     assert moved > 0.01
     assert np.abs(here - there).max() < 1e-5 * moved
-    turns = Rotation.from_quat(compiled.record[0]["attitude"][:7], scalar_first=True).as_rotvec()
+    turns = Rotation.from_quat(compiled.record[0]["attitude"][:, :7].T, scalar_first=True).as_rotvec()
     assert np.abs(turns - end_q.reshape(7, 6)[:, 3:]).max() < 1e-6
     assert np.abs(compiled.v[:42] - end_v).max() < 1e-4 * np.abs(end_v).max()
