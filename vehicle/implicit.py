@@ -109,17 +109,29 @@ def respond(f: Array, coach: Record) -> None:
         f[j] = answer[j]
 
 
-@compiled
+@inlined
 def _turn(f: Array, from_axes: Array, to_axes: Array, coach: Record) -> None:
     """Turn the forces on the bodies' centres as the first three axes have to turn to become the other three."""
+    u, t = from_axes, to_axes
+    xx, xy, xz = _turned_row(t[0], t[3], t[6], u)
+    yx, yy, yz = _turned_row(t[1], t[4], t[7], u)
+    zx, zy, zz = _turned_row(t[2], t[5], t[8], u)
     for i in range(coach.bodies):
         at = place_of(i)
         x, y, z = f[at], f[at + 1], f[at + 2]
-        ahead = from_axes[0] * x + from_axes[1] * y + from_axes[2] * z
-        left = from_axes[3] * x + from_axes[4] * y + from_axes[5] * z
-        up = from_axes[6] * x + from_axes[7] * y + from_axes[8] * z
-        for j in range(3):
-            f[at + j] = to_axes[j] * ahead + to_axes[3 + j] * left + to_axes[6 + j] * up
+        f[at] = xx * x + xy * y + xz * z
+        f[at + 1] = yx * x + yy * y + yz * z
+        f[at + 2] = zx * x + zy * y + zz * z
+
+
+@inlined
+def _turned_row(ahead: float, left: float, up: float, axes: Array) -> tuple[float, float, float]:
+    """The sum of three axes, so much of each."""
+    return (
+        ahead * axes[0] + left * axes[3] + up * axes[6],
+        ahead * axes[1] + left * axes[4] + up * axes[7],
+        ahead * axes[2] + left * axes[5] + up * axes[8],
+    )
 
 
 @compiled

@@ -172,16 +172,20 @@ def _to_predictor(q: Array, v: Array, a: Array, step_s: float, coach: Record) ->
 
     The algorithmic acceleration follows from the velocities: v1 = v0 + h ((1 - gamma) A0 + gamma A1).
     """
-    first = coach.steps == 0
-    coach.steps += 1
-    for j in range(coach.coordinates):
-        if first:
+    if coach.steps == 0:
+        for j in range(coach.coordinates):
             coach.algorithmic[j] = a[j]
-        else:
-            change = (v[j] - coach.last_v[j]) / step_s
-            coach.algorithmic[j] = (change - (1.0 - GAMMA) * coach.algorithmic[j]) / GAMMA
+    else:
+        rate, kept = 1.0 / (GAMMA * step_s), (1.0 - GAMMA) / GAMMA
+        for j in range(coach.coordinates):
+            coach.algorithmic[j] = rate * (v[j] - coach.last_v[j]) - kept * coach.algorithmic[j]
+    coach.steps += 1
+    # the algorithmic acceleration at the end of the step is a share of `a` less one of that at its begin
+    of_a, of_begin = ALPHA_F / (1.0 - ALPHA_M), -ALPHA_M / (1.0 - ALPHA_M)
+    speed_a, speed_begin = step_s * GAMMA * of_a, step_s * (1.0 - GAMMA + GAMMA * of_begin)
+    place_a, place_begin = step_s * step_s * BETA * of_a, step_s * step_s * (0.5 - BETA + BETA * of_begin)
+    for j in range(coach.coordinates):
+        begin = coach.algorithmic[j]
         coach.last_v[j] = v[j]
-        now = coach.algorithmic[j]
-        end = (ALPHA_F * a[j] - ALPHA_M * now) / (1.0 - ALPHA_M)
-        coach.ahead_v[j] = v[j] + step_s * ((1.0 - GAMMA) * now + GAMMA * end)
-        coach.ahead_q[j] = q[j] + step_s * v[j] + step_s * step_s * ((0.5 - BETA) * now + BETA * end)
+        coach.ahead_v[j] = v[j] + (speed_begin * begin + speed_a * a[j])
+        coach.ahead_q[j] = q[j] + step_s * v[j] + (place_begin * begin + place_a * a[j])

@@ -96,11 +96,15 @@ def _read_table(displacement: Lanes, constants: Record, wheels: Array) -> None:
         u = min(u, NODES - 1.0) if u > 0.0 else 0.0
         k = min(int(u), NODES - 2)
         u -= k
-        low, high = constants.table[w % 2, k], constants.table[w % 2, k + 1]
-        for j in range(COLUMNS):
-            out[_WIDTH * w + j] = low[j] + u * (high[j] - low[j])
-        out[_WIDTH * w + _RADIUS_CHANGE] = (high[ROLLING_RADIUS] - low[ROLLING_RADIUS]) * constants.nodes_per_m
-        out[_WIDTH * w + _SLOPE_CHANGE] = (high[SLOPE] - low[SLOPE]) * constants.nodes_per_m
+        table, low = constants.table, COLUMNS * (NODES * (w % 2) + k)
+        high, at = low + COLUMNS, LANES * _READ + _WIDTH * w
+        # all columns in two registers, which share some
+        for first in (0, COLUMNS - LANES):
+            begin = lanes_at(table, low + first)
+            put_lanes(wheels, at + first, begin + u * (lanes_at(table, high + first) - begin))
+        rows = table[w % 2, k], table[w % 2, k + 1]
+        out[_WIDTH * w + _RADIUS_CHANGE] = (rows[1][ROLLING_RADIUS] - rows[0][ROLLING_RADIUS]) * constants.nodes_per_m
+        out[_WIDTH * w + _SLOPE_CHANGE] = (rows[1][SLOPE] - rows[0][SLOPE]) * constants.nodes_per_m
 
 
 @inlined
