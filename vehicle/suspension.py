@@ -138,8 +138,7 @@ def _add_between(batch: int, q: Array, v: Array, coach: Record, f: Array) -> Non
     turning = coach.pair_turning
     tx = lanes_at(turning, resists) * (0.5 * (m2[1] - m1[2])) + lanes_at(turning, resists + 3 * LANES) * turns[0]
     ty = (
-        lanes_at(turning, resists + LANES) * (0.5 * (m0[2] - m2[0]))
-        + lanes_at(turning, resists + 4 * LANES) * turns[1]
+        lanes_at(turning, resists + LANES) * (0.5 * (m0[2] - m2[0])) + lanes_at(turning, resists + 4 * LANES) * turns[1]
     )
     tz = (
         lanes_at(turning, resists + 2 * LANES) * (0.5 * (m1[0] - m0[1]))

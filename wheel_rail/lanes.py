@@ -108,7 +108,10 @@ for _plain, _in_place, _instruction in (
 ):
     for _function in (_plain, _in_place):
         _define_operator(
-            _function, LANES_TYPE, LANES_TYPE, lambda builder, a, b, name=_instruction: getattr(builder, name)(a, b, flags=("contract",))
+            _function,
+            LANES_TYPE,
+            LANES_TYPE,
+            lambda builder, a, b, name=_instruction: getattr(builder, name)(a, b, flags=("contract",)),
         )
 for _function, _sign in ((operator.lt, "<"), (operator.le, "<="), (operator.gt, ">"), (operator.ge, ">=")):
     _define_operator(
