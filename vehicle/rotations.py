@@ -35,7 +35,7 @@ def body_frames(q: Array, coach: Record) -> None:
 
 @inlined
 def _attitudes(first: int, q: Array, coach: Record) -> tuple[Lanes, Lanes, Lanes, Lanes]:
-    """Unit quaternions of eight bodies at q: the committed ones, turned by what the turn coordinates have grown since."""
+    """Unit quaternions of eight bodies at q: the committed ones, turned by what the turn coordinates grew by since."""
     old, turned, places = coach.attitude, coach.turned, coach.body_place
     a = 0.5 * (of_places(q, places, first, 3) - lanes_at(turned, first))
     b = 0.5 * (of_places(q, places, first, 4) - lanes_at(turned, first + BODY_LANES))

@@ -1,4 +1,4 @@
-"""The Jacobian of the forces of springs, dampers, bump stops, links and anti-roll bars, compiled, element by element."""
+"""The Jacobian of the suspension's forces, and whether dry friction has begun to slide, element by element, compiled."""
 
 from vehicle.rotations import place_of
 from wheel_rail.compiled import Array, Record, compiled, inlined

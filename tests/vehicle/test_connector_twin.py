@@ -11,8 +11,8 @@ from vehicle import CoachParameters
 from vehicle.forces import GRAVITY, GYROSCOPIC, SUSPENSION, forces_by_class
 from vehicle.layout import masses
 from vehicle.linear import clean_rail, polach_contact
-from vehicle.start import start_state
 from vehicle.rotations import commit_attitudes
+from vehicle.start import start_state
 from wheel_rail import Track, TrackParameters
 
 BODIES, PLACE_M = 7, 100.0

@@ -98,7 +98,8 @@ def test_every_element_has_one_lane(make_bench: MakeBench, name: str, boxes: str
     bench = make_bench(given=coach_of(name, axle_boxes=boxes))
     coach = start_state(bench.parameters, bench.contact, bench.track, bench.rail, 100.0, 20.0)[0][0]
     slots = coach["pair_slots"][: coach["batches"]]
-    assert (slots[:, 1] >= slots[:, 0]).all() and (slots[1:, 0] == slots[:-1, 1]).all()
+    assert (slots[:, 1] >= slots[:, 0]).all()
+    assert (slots[1:, 0] == slots[:-1, 1]).all()
     seated = coach["slot"][: slots[-1, 1]].transpose(0, 2, 1).reshape(-1, SLOT)
     rows = [
         np.concatenate([coach[field][e] for field in ("lower_point", "upper_point", "stiffness", "damping")])
