@@ -1,4 +1,4 @@
-"""The Jacobian of the suspension's forces, and whether dry friction has begun to slide, element by element, compiled."""
+"""The Jacobian of the suspension, element by element, and whether dry friction has begun to slide; compiled."""
 
 from vehicle.rotations import place_of
 from wheel_rail.compiled import Array, Record, compiled, inlined
