@@ -22,14 +22,17 @@ ANGLE, ANGULAR_SPEED, EDGE, REFERENCE_TIME, LAST_TIME, COUNT, DIRECTION, SPEED, 
 PITCH, CONSTANTS, FAULT, TEETH = 10, 11, 12, 13
 SOUND, LOST, FROZEN = 0.0, 1.0, 2.0
 
+# said although it is off: a function that leaves it open takes it from whoever calls it first
+_compiled = nb.njit(cache=True, fastmath=False)
 
-@nb.njit(cache=True)
+
+@_compiled
 def _edge_angle(k: int, i: int, state: FloatArray) -> float:
     n = state.shape[0] - TEETH
     return (k + state[TEETH + k % n, i]) * (2.0 * math.pi / n)
 
 
-@nb.njit(cache=True)
+@_compiled
 def _note_edge(state: FloatArray, i: int, t_s: float, direction: float) -> None:
     """Front end, one edge: count it, or start to count anew where the wheel turned round."""
     if direction == state[DIRECTION, i]:
@@ -42,7 +45,7 @@ def _note_edge(state: FloatArray, i: int, t_s: float, direction: float) -> None:
     state[LAST_TIME, i] = t_s
 
 
-@nb.njit(cache=True)
+@_compiled
 def _note_tick(state: FloatArray, i: int, t_s: float, timeout_s: float) -> None:
     """Front end, one tick (M/T): pulses over the time between the edges that bound them; without new edges at most a
     pitch in the time since the last one, and zero after the time-out. A lost tachometer is not valid, a frozen one
@@ -68,7 +71,7 @@ def _note_tick(state: FloatArray, i: int, t_s: float, timeout_s: float) -> None:
         state[SPEED, i] = state[DIRECTION, i] * pitch_m / silence_s
 
 
-@nb.njit(cache=True)
+@_compiled
 def _crossing(target: float, low: float, high: float, c1: float, c2: float, c3: float) -> float:
     """Where u (c1 + u (c2 + u c3)), monotone on [low, high], meets the target: Newton, bisection where that leaves."""
     at_low = low * (c1 + low * (c2 + low * c3)) - target
@@ -88,7 +91,7 @@ def _crossing(target: float, low: float, high: float, c1: float, c2: float, c3: 
     return u
 
 
-@nb.njit(cache=True)
+@_compiled
 def _latched(t_s: float, earliest_s: float, tick_s: float, clock_s: float) -> float:
     """Time by the counter's clock: the next clock edge, inside (earliest, tick] so that no edge changes tick."""
     latched = math.ceil(t_s / clock_s) * clock_s
@@ -97,7 +100,7 @@ def _latched(t_s: float, earliest_s: float, tick_s: float, clock_s: float) -> fl
     return min(latched, tick_s)
 
 
-@nb.njit(cache=True)
+@_compiled
 def _start(t_s: float, i: int, state: FloatArray, edges: FloatArray, count: int) -> int:
     """First tick: the wheel is taken to have turned evenly before; its last two edges are put in."""
     n = state.shape[0] - TEETH
@@ -122,7 +125,7 @@ def _start(t_s: float, i: int, state: FloatArray, edges: FloatArray, count: int)
     return count
 
 
-@nb.njit(cache=True)
+@_compiled
 def advance(
     t_s: float,
     angle_rad: FloatArray,
@@ -205,7 +208,7 @@ def advance(
     return count
 
 
-@nb.njit(cache=True)
+@_compiled
 def speeds_of_edges(
     tick_s: FloatArray, edge_t: FloatArray, wheelset: Int8Array, direction: Int8Array, state: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
