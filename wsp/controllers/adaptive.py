@@ -2,10 +2,7 @@
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from wsp.compiled import compiled
+from wsp.compiled import Record
 from wsp.controllers.compiled_controller import CompiledController
 from wsp.controllers.requests import request
 from wsp.controllers.slip_law import command_slips, observe_adhesion, slip_law_constants, slip_law_state
@@ -21,22 +18,15 @@ class AdaptiveParameters(SlipLawControllerParameters):
     search: SlipSearchParameters = SlipSearchParameters()
 
 
-@compiled
-def _tick(
-    records: NDArray[np.void],
-    axle_speed_mps: NDArray[np.float64],
-    valid: NDArray[np.bool_],
-    demand: float,
-    direction: int,
-    outside_mps: float,
-) -> None:
+def _tick(record: Record, t_s: float) -> int:
     """One tick, see wsp.controllers.compiled_controller."""
-    s, c, output = records[0].state, records[0].constants, records[0].output
-    at_work = observe_adhesion(s, c, axle_speed_mps, valid, demand, direction, outside_mps)
-    search_slips(s, c, at_work, direction)
+    s, c, inputs, output = record.state, record.constants, record.inputs, record.output
+    at_work = observe_adhesion(s, c, inputs)
+    search_slips(s, c, at_work, inputs.direction)
     command_slips(s, c, output.valve, at_work)
     output.reference_speed_mps = known_reference(s)
     request(s, c, output, at_work)
+    return 0
 
 
 class Adaptive(CompiledController):

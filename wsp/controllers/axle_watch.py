@@ -43,7 +43,7 @@ def _frozen(s: Record, c: Record, reading_mps: NDArray[np.float64], axle: int) -
 
 @part_of_tick
 def follow_axles(
-    s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.bool_], direction: int
+    s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.uint8], direction: int
 ) -> None:
     """Filtered speed and acceleration of every axle in the direction of travel, >= 0; nan for a blind one."""
     for axle in range(AXLES):
@@ -61,7 +61,7 @@ def follow_axles(
 
 
 @part_of_tick
-def _against_others(s: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.bool_], axle: int) -> float:
+def _against_others(s: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.uint8], axle: int) -> float:
     """How far an axle is from the mean of the others that are believed, as a share of it; nan without two of them."""
     total = 0.0
     count = 0
@@ -75,7 +75,7 @@ def _against_others(s: Record, reading_mps: NDArray[np.float64], valid: NDArray[
 
 
 @part_of_tick
-def _judge(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.bool_]) -> None:
+def _judge(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.uint8]) -> None:
     """Stop believing the axle that differs most, if it has differed for too long; believe one that agrees again.
 
     Either starts the reference speed anew.
@@ -87,7 +87,7 @@ def _judge(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArra
             worst, farthest = axle, difference
     for axle in range(AXLES):
         if s.distrusted[axle]:
-            counts = valid[axle] and _against_others(s, reading_mps, valid, axle) <= c.largest_wheel_difference
+            counts = bool(valid[axle]) and _against_others(s, reading_mps, valid, axle) <= c.largest_wheel_difference
         else:
             counts = axle == worst and farthest > c.largest_wheel_difference
         s.judged[axle] = s.judged[axle] + 1 if counts else 0
@@ -98,7 +98,7 @@ def _judge(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArra
 
 
 @part_of_tick
-def compare_axles(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.bool_]) -> None:
+def compare_axles(s: Record, c: Record, reading_mps: NDArray[np.float64], valid: NDArray[np.uint8]) -> None:
     """While unbraked: find liars, learn the readings' noise and the wheels' ratios (running means, fading later)."""
     if not s.reference_mps >= c.compare_above_mps or abs(s.deceleration_mps2) > c.compare_below_mps2:
         return

@@ -11,6 +11,18 @@ from wsp.valves import FILL
 AXLES = 4
 
 
+INPUT = np.dtype(
+    [
+        ("axle_speed_mps", "f8", (AXLES,)),
+        ("demand", "f8"),
+        ("outside_reference_mps", "f8"),
+        ("direction", "i8"),
+        ("valid", "u1", (AXLES,)),
+    ],
+    align=True,
+)
+"""What a controller is given at a tick (see `Controller.step`), for compiled code."""
+
 OUTPUT = np.dtype(
     [("reference_speed_mps", "f8"), ("valve", "i1", (AXLES,)), ("sand", "u1", (AXLES,)), ("track_brake", "u1")],
     align=True,

@@ -3,9 +3,8 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wsp.compiled import Record, compiled
+from wsp.compiled import Record
 from wsp.controllers.axle_release import still_falls
 from wsp.controllers.compiled_controller import CompiledController
 from wsp.controllers.interface import AXLES
@@ -61,24 +60,17 @@ def _pulsed(s: Record, c: Record, axle: int, action: int) -> int:
     return HOLD
 
 
-@compiled
-def _tick(
-    records: NDArray[np.void],
-    axle_speed_mps: NDArray[np.float64],
-    valid: NDArray[np.bool_],
-    demand: float,
-    direction: int,
-    outside_mps: float,
-) -> None:
+def _tick(record: Record, t_s: float) -> int:
     """One tick, see wsp.controllers.compiled_controller."""
-    s, c, output = records[0].state, records[0].constants, records[0].output
-    at_work = observe(s, c, axle_speed_mps, valid, demand, direction, outside_mps)
+    s, c, inputs, output = record.state, record.constants, record.inputs, record.output
+    at_work = observe(s, c, inputs)
     for axle in range(AXLES):
         if at_work and sighted(s, axle):
             output.valve[axle] = guarded(s, c, axle, _pulsed(s, c, axle, _action(s, c, axle)))
     command_the_rest(s, c, output.valve, at_work)
     output.reference_speed_mps = known_reference(s)
     request(s, c, output, at_work)
+    return 0
 
 
 class RuleTable(CompiledController):

@@ -103,23 +103,15 @@ def _go_by_rolling_axles(s: Record, c: Record) -> None:
 
 
 @part_of_tick
-def observe_adhesion(
-    s: Record,
-    c: Record,
-    axle_speed_mps: NDArray[np.float64],
-    valid: NDArray[np.bool_],
-    demand: float,
-    direction: int,
-    outside_mps: float,
-) -> bool:
+def observe_adhesion(s: Record, c: Record, inputs: Record) -> bool:
     """`observe`, with the brake's changes fed forward; adhesion f of every axle and the deceleration from it."""
-    follow_demand(s, c, demand)
+    follow_demand(s, c, inputs.demand)
     for axle in range(AXLES):
         # a reading is the mean over the past tick, and the difference of two the acceleration one tick ago
         change = committed_before(s, axle, c.delay) - committed_before(s, axle, c.delay + 1)
         s.acceleration_mps2[axle] -= c.mps2_per_bar * change
     s.grips = _grips(s, c)
-    at_work = observe(s, c, axle_speed_mps, valid, demand, direction, outside_mps)
+    at_work = observe(s, c, inputs)
     mean = 0.0
     for axle in range(AXLES):
         if sighted(s, axle):
@@ -128,7 +120,7 @@ def observe_adhesion(
         mean += s.adhesion_mps2[axle] / AXLES
     s.deceleration_mps2 += c.rotating_share * (mean - s.mean_adhesion_mps2)
     s.mean_adhesion_mps2 = mean
-    if np.isnan(outside_mps):
+    if np.isnan(inputs.outside_reference_mps):
         if under_control(s, c):
             go_by_gripping_axles(s, c)
         else:

@@ -2,11 +2,9 @@
 
 from typing import Annotated, Any
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from wsp.compiled import compiled
+from wsp.compiled import Record
 from wsp.controllers.compiled_controller import CompiledController
 from wsp.controllers.interface import AXLES
 from wsp.controllers.requests import request
@@ -28,23 +26,16 @@ class SlipTrackingParameters(SlipLawControllerParameters):
     )
 
 
-@compiled
-def _tick(
-    records: NDArray[np.void],
-    axle_speed_mps: NDArray[np.float64],
-    valid: NDArray[np.bool_],
-    demand: float,
-    direction: int,
-    outside_mps: float,
-) -> None:
+def _tick(record: Record, t_s: float) -> int:
     """One tick, see wsp.controllers.compiled_controller."""
-    s, c, output = records[0].state, records[0].constants, records[0].output
-    at_work = observe_adhesion(s, c, axle_speed_mps, valid, demand, direction, outside_mps)
+    s, c, inputs, output = record.state, record.constants, record.inputs, record.output
+    at_work = observe_adhesion(s, c, inputs)
     for axle in range(AXLES):
         s.slip_set_mps[axle] = c.slip_offset_mps + c.slip_share[axle] * s.reference_mps
     command_slips(s, c, output.valve, at_work)
     output.reference_speed_mps = known_reference(s)
     request(s, c, output, at_work)
+    return 0
 
 
 class SlipTracking(CompiledController):

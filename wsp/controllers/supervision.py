@@ -9,7 +9,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wsp.compiled import Record
 from wsp.controllers.axle_release import NO_AXLE, relieve_in_rotation, take_as_certain
@@ -186,24 +185,18 @@ def _settle_contradictions(s: Record, c: Record) -> None:
 
 
 @part_of_tick
-def observe(
-    s: Record,
-    c: Record,
-    axle_speed_mps: NDArray[np.float64],
-    valid: NDArray[np.bool_],
-    demand: float,
-    direction: int,
-    outside_mps: float,
-) -> bool:
+def observe(s: Record, c: Record, inputs: Record) -> bool:
     """Axles and train one tick on; whether valves may be worked at all (neither unbraked nor below the cut-off).
 
-    The brakes are taken to be on for as long as they need to release after the demand has gone.
+    `inputs`: the tick's, of INPUT. The brakes are taken to be on for as long as they need to release
+    after the demand has gone.
     """
-    s.unasked = 0 if demand > 0.0 else min(s.unasked + 1, c.releases_for)
+    axle_speed_mps, valid, outside_mps = inputs.axle_speed_mps, inputs.valid, inputs.outside_reference_mps
+    s.unasked = 0 if inputs.demand > 0.0 else min(s.unasked + 1, c.releases_for)
     braked = s.unasked < c.releases_for
     if not braked:
         compare_axles(s, c, axle_speed_mps, valid)
-    follow_axles(s, c, axle_speed_mps, valid, direction)
+    follow_axles(s, c, axle_speed_mps, valid, inputs.direction)
     _follow_train(s, c, outside_mps, braked)
     if s.started and np.isnan(outside_mps):
         _settle_contradictions(s, c)
