@@ -145,8 +145,6 @@ class _Run:
         newton: bool,
         plant: Plant | None,
     ) -> None:
-        self.t_s = 0.0
-        self.steps = 0
         self._raised: BaseException | None = None
         self._lost: str | None = None
         self._step_s = step_s
@@ -155,38 +153,45 @@ class _Run:
         force = np.zeros(coordinates)
         self._response = room_for_response(coordinates)  # kept alive, like the actuation
 
+        begun = 0
+
         def pre_step(_mbs: Any, _end_s: float) -> bool:
-            steps = self.steps
-            if steps % every == 0:
-                # Exudyn names the end of the step, summed up: the start by counting is free of its rounding
-                self.t_s = steps * step_s
-                try:
-                    answer = on_step(self.t_s, state)
-                except BaseException as error:  # nothing may pass through the solver's own code
-                    self._raised = error
-                    return False
-                if answer is None:
-                    return False
-                if answer is not self._actuation:
-                    self._actuation = answer
-                    coach["actuation_at"] = address_of(answer.numbers)
-                    coach["sanders_at"], coach["sander_count"] = address_of(answer.sanders), len(answer.sanders)
-            self.steps = steps + 1
+            nonlocal begun
+            # Exudyn names the end of the step, summed up: the start by counting is free of its rounding
+            if begun % every == 0 and not goes_on(begun * step_s):
+                return False
+            begun += 1
             condition = begin_step(address, step_s)
             set_parameter(system, "forceVector", force)
-            if condition != FRESH:
-                if condition == REFUSED and plant is not None:
-                    try:
-                        plant.refused(steps * step_s, int(coach["plant_said"]))
-                    except BaseException as error:
-                        self._raised = error
-                    return False
-                if condition == LOST:
-                    self._lost = f"state, actuation or forces not finite at t = {steps * step_s:.4f} s"
-                    return False
-                convergence = solver.conv  # of a solver that iterates
-                convergence.jacobianUpdateRequested = True
-                solver.conv = convergence
+            return condition == FRESH or copes((begun - 1) * step_s, condition)
+
+        def goes_on(t_s: float) -> bool:
+            try:
+                answer = on_step(t_s, state)
+            except BaseException as error:  # nothing may pass through the solver's own code
+                self._raised = error
+                return False
+            if answer is None:
+                return False
+            if answer is not self._actuation:
+                self._actuation = answer
+                coach["actuation_at"] = address_of(answer.numbers)
+                coach["sanders_at"], coach["sander_count"] = address_of(answer.sanders), len(answer.sanders)
+            return True
+
+        def copes(t_s: float, condition: int) -> bool:
+            if condition == REFUSED and plant is not None:
+                try:
+                    plant.refused(t_s, int(coach["plant_said"]))
+                except BaseException as error:
+                    self._raised = error
+                return False
+            if condition == LOST:
+                self._lost = f"state, actuation or forces not finite at t = {t_s:.4f} s"
+                return False
+            convergence = solver.conv  # of a solver that iterates
+            convergence.jacobianUpdateRequested = True
+            solver.conv = convergence
             return True
 
         set_parameter = mbs.SetObjectParameter
@@ -194,7 +199,7 @@ class _Run:
         q = mbs.systemData.GetODE2Coordinates(copy=False)
         v = mbs.systemData.GetODE2Coordinates_t(copy=False)
         a = mbs.systemData.GetODE2Coordinates_tt(copy=False)
-        coach = record[0]
+        self._coach = coach = record[0]
         coach["solver_at"] = [address_of(array) for array in (q, v, a, force)]
         coach["response_at"], coach["iterates"] = address_of(self._response), newton
         coach["track_at"], coach["track_nodes"] = address_of(track), len(track)
@@ -228,6 +233,11 @@ class _Run:
 
         set_parameter(system, "jacobianUserFunction", newton_jacobian)
         mbs.SetPreNewtonResidualUserFunction(pre_residual)
+
+    @property
+    def steps(self) -> int:
+        """How many have begun."""
+        return int(self._coach["steps"])
 
     def raise_what_happened(self, reached: bool) -> None:
         """Raise what a callback raised, or SolverFailure when the integration broke off by itself."""
