@@ -10,7 +10,7 @@ from sensors import pulse_edges
 from sensors.readings import AxleSpeedReadings, TachometerReadings
 from sensors.streams import BoolArray, FloatArray, Int8Array
 
-_BLOCK = 1 << 16
+_BLOCK = 1 << 17
 ROOM_OF_A_TICK = 1 << 13
 
 Radius = Annotated[float, Field(gt=0.2, le=1.0)]
@@ -86,9 +86,10 @@ class Tachometers:
         valid: BoolArray = self.state[pulse_edges.VALID] > 0.0
         return valid
 
-    def make_room(self) -> None:
-        """Let `edges` have room for a tick: a full block is put away, in a smaller form, and begun anew."""
-        if self.count + ROOM_OF_A_TICK > len(self.edges):
+    def make_room(self, ticks: int = 1) -> None:
+        """Let `edges` have room for so many ticks, up to ten: a full block is put away, in a smaller form, and begun
+        anew."""
+        if self.count + ticks * ROOM_OF_A_TICK > len(self.edges):
             self._past.append(self._latest())
             self.before += self.count
             self.count = 0

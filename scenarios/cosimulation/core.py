@@ -1,4 +1,4 @@
-"""What the co-simulation does at every tick and period, compiled: one call each, by the address of its record."""
+"""What the co-simulation does at ticks and periods, compiled: one call each, by the address of its record."""
 
 import math
 from functools import cache
@@ -12,10 +12,10 @@ from sensors import pulse_edges
 from sensors.tachometers import ROOM_OF_A_TICK
 from vehicle.layout import ACTUATION, SPIN, coach_at
 from vehicle.observation import OBSERVATION, observe
-from wheel_rail.compiled import array_at, compiled, record_reader
+from wheel_rail.compiled import array_at, call_at, compiled, record_reader
 from wheel_rail.sanding import work_sanders
 from wsp.brake import BRAKE, advance_brake
-from wsp.controllers.interface import OUTPUT
+from wsp.controllers.interface import INPUT, OUTPUT
 
 BRAKE_ROW = np.dtype(
     [
@@ -42,7 +42,7 @@ BRAKE_ROW = np.dtype(
 LOOP = np.dtype(
     [
         # where things stand: records of coach and brake, tachometers, rows to be written, actuation, sanders (0: none),
-        # traction, what the controller answered last
+        # traction, what the controller answered last; a compiled controller's inputs, C function and record (0: none)
         ("coach_at", "i8"),
         ("brake_at", "i8"),
         ("tachometer_at", "i8"),
@@ -58,10 +58,13 @@ LOOP = np.dtype(
         ("sanders_at", "i8"),
         ("traction_at", "i8"),
         ("answer_at", "i8"),
+        ("inputs_at", "i8"),
+        ("control_at", "i8", (2,)),
         # how far they are written
         ("periods_per_tick", "i8"),
         ("periods_per_record", "i8"),
         ("rows_per_tick", "i8"),
+        ("ticks_per_control", "i8"),
         ("periods", "i8"),
         ("edge_count", "i8"),
         ("ticks", "i8"),
@@ -89,9 +92,9 @@ loop_at = record_reader(LOOP)
 _brake_at = record_reader(BRAKE)
 _brake_row_at = record_reader(BRAKE_ROW)
 _answer_at = record_reader(OUTPUT)
+_inputs_at = record_reader(INPUT)
 
-LOOKED, NO_ROOM, JUMPED = range(3)
-ACTED, BAD_COMMAND, BAD_TRACTION = range(3)
+DONE, NO_ROOM, JUMPED, BAD_COMMAND, BAD_TRACTION = range(5)
 
 STANDSTILL_MPS = 0.02
 _MOTION_BYTES, _BRAKE_BYTES = OBSERVATION.itemsize, BRAKE_ROW.itemsize
@@ -100,17 +103,17 @@ _DYNAMIC_FADES_RADPS = 0.2  # a retarder's torque goes through zero with the whe
 
 
 @compiled
-def look(address: int, t_s: float, controlling: bool) -> int:
+def look(address: int, t_s: float, ahead: int) -> int:
     """A tick: the tachometers look at the wheels; if it is one of the controller's, its last answer comes into force.
 
-    LOOKED; or NO_ROOM, and nothing done, if an array cannot take what the tick may bring; or JUMPED if a wheel's angle
-    has jumped by thousands of pulses.
+    DONE; or NO_ROOM, and nothing done, if an array cannot take what this tick and those after it, `ahead` in all, may
+    bring; or JUMPED if a wheel's angle has jumped by thousands of pulses.
     """
     loop = loop_at(address)
     if (
-        loop.edge_count + ROOM_OF_A_TICK > loop.edges_room
-        or loop.ticks >= loop.seen_room
-        or loop.row + loop.rows_per_tick > loop.rows_room
+        loop.edge_count + ahead * ROOM_OF_A_TICK > loop.edges_room
+        or loop.ticks + ahead > loop.seen_room
+        or loop.row + ahead * loop.rows_per_tick > loop.rows_room
     ):
         return NO_ROOM
     coach = coach_at(loop.coach_at)
@@ -126,8 +129,8 @@ def look(address: int, t_s: float, controlling: bool) -> int:
         seen[i] = state[pulse_edges.SPEED, i]
         seen[4 + i] = state[pulse_edges.VALID, i]
         loop.valid[i] = 1 if seen[4 + i] > 0.0 else 0
-    loop.controlling = 1 if controlling else 0
-    if controlling:
+    loop.controlling = 1 if loop.ticks % loop.ticks_per_control == 0 else 0
+    if loop.controlling != 0:
         latch(address)
     loop.ticks += 1
     loop.position_m = coach.s[4]
@@ -137,7 +140,7 @@ def look(address: int, t_s: float, controlling: bool) -> int:
         loop.still_ticks = 0
     else:
         loop.still_ticks += 1
-    return LOOKED
+    return DONE
 
 
 @compiled
@@ -149,6 +152,21 @@ def latch(address: int) -> None:
     if loop.sanders_at != 0:
         loop.sand[:] = answer.sand
     loop.track_brake = answer.track_brake
+
+
+@compiled
+def _control(address: int, t_s: float) -> None:
+    """The compiled controller reads the tick and answers for its next one."""
+    loop = loop_at(address)
+    inputs = _inputs_at(loop.inputs_at)
+    state = array_at(loop.tachometer_at, (loop.tachometer_rows, 4))
+    for i in range(4):
+        inputs.axle_speed_mps[i] = state[pulse_edges.SPEED, i]
+        inputs.valid[i] = loop.valid[i]
+    inputs.demand = loop.demand
+    inputs.direction = 1
+    inputs.outside_reference_mps = math.nan
+    call_at(loop.control_at[0], loop.control_at[1], t_s)  # type: ignore[call-arg]
 
 
 @compiled
@@ -167,14 +185,23 @@ def _obey(address: int) -> bool:
 
 
 def act(address: int, t_s: float) -> int:
-    """A period: at a tick commands go out; at its own times the recorder writes down what is true at `t_s`; then the
-    brake plant advances and the actuation is set.
+    """A period: at a tick that Python has not seen to, the tachometers look and the controller answers; at every tick
+    commands go out; at its own times the recorder writes down what is true at `t_s`; then the brake plant advances and
+    the actuation is set.
 
-    ACTED; or BAD_COMMAND if the plant refuses demand or valve codes, BAD_TRACTION if the driver's force is not finite.
+    DONE; or JUMPED if a wheel's angle has jumped by thousands of pulses, BAD_COMMAND if the plant refuses demand or
+    valve codes, BAD_TRACTION if the driver's force is not finite.
     """
     loop = loop_at(address)
-    if loop.periods % loop.periods_per_tick == 0 and not _obey(address):
-        return BAD_TRACTION
+    if loop.periods % loop.periods_per_tick == 0:
+        if loop.ticks * loop.periods_per_tick == loop.periods:
+            # Python makes room for all ticks until its next one: only a jump can have taken it
+            if look(address, t_s, 1) != DONE:
+                return JUMPED
+            if loop.controlling != 0:
+                _control(address, t_s)
+        if not _obey(address):
+            return BAD_TRACTION
     coach = coach_at(loop.coach_at)
     brake = _brake_at(loop.brake_at)
     v = array_at(coach.solver_at[1], (46,))
@@ -193,7 +220,7 @@ def act(address: int, t_s: float) -> int:
         actuation[4 + i] = traction.torque_nm[i] - brake.dynamic_torque_nm[i] * turning
     actuation[8], actuation[9] = brake.track_brake_force_n[0], brake.track_brake_force_n[1]
     loop.periods += 1
-    return ACTED
+    return DONE
 
 
 def act_address() -> int:

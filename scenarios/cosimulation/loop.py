@@ -1,4 +1,4 @@
-"""What happens at each base step of a co-simulation, and what it leaves behind; see `simulation` for the order."""
+"""Python's part of a co-simulation, and what that leaves behind; see `simulation` for the order."""
 
 import math
 from collections.abc import Callable
@@ -6,7 +6,7 @@ from typing import Literal, NoReturn
 
 import numpy as np
 
-from scenarios.cosimulation.core import BAD_TRACTION, LOOKED, LOOP, NO_ROOM, act_address, latch, look
+from scenarios.cosimulation.core import BAD_TRACTION, DONE, JUMPED, LOOP, NO_ROOM, act_address, latch, look
 from scenarios.cosimulation.driver import Driver
 from scenarios.cosimulation.faults_at_work import FaultsAtWork
 from scenarios.cosimulation.line import Line
@@ -22,6 +22,7 @@ from vehicle import Actuation, CoachState, Plant, SolveReport
 from wheel_rail.compiled import address_of
 from wheel_rail.sanding import Sanders
 from wsp import Brake, Controller, ControllerOutput
+from wsp.controllers.compiled_controller import CompiledController
 from wsp.foreign.errors import ControllerFailed
 
 # number of the random stream that hangs on the world seed
@@ -87,12 +88,11 @@ class Loop:
         self._rail_before = line.state.table.copy()
         self._demand = 0.0
         self._dead = False
-        self._ticks = 0
         self._seen = np.zeros((_FIRST_TICKS, 8))  # axle speeds and whether they are valid, one row per tick
         self.off_the_line = False
         self.stopped = False
         self.record = np.zeros(1, LOOP)
-        numbers = self.record[0]
+        self._numbers = numbers = self.record[0]
         numbers["brake_at"] = address_of(self.brake.record)
         numbers["tachometer_at"] = address_of(self.tachometers.state)
         numbers["tachometer_rows"] = len(self.tachometers.state)
@@ -105,11 +105,17 @@ class Loop:
         numbers["heeds_wishes"] = bool(
             scenario.sanding.sanders or scenario.brake.track_brake is not None or outside is not None
         )
-        self._numbers = numbers
+        numbers["ticks_per_control"] = self._ticks_per_control
+        self._ticks_per_turn = 1
+        compiled = self._controller
+        if isinstance(compiled, CompiledController) and compiled.needs_no_python and not (name or scenario.faults):
+            numbers["inputs_at"], numbers["control_at"] = compiled.inputs_at, (compiled.tick_at, compiled.record_at)
+            self._ticks_per_turn = _TICKS_PER_DRIVER
         self._address = address_of(self.record)
         self._hear(ControllerOutput())
         self._valid = numbers["valid"].view(np.bool_)
         self._axle_speed = self.tachometers.axle_speed_mps
+        self._ticks = self.record["ticks"]  # so far
         # several numbers of a record at once take a third of the time
         self._seen_last = self.record[["position_m", "speed_mps", "moved", "still_ticks"]]
         self._driven = self.record[["demand", "traction_n"]]
@@ -127,18 +133,26 @@ class Loop:
         return int(self._numbers["periods"]) > 0
 
     def on_tick(self, t_s: float, state: CoachState) -> Actuation | None:
-        """The coach's callback, every `TICK_S`; see the head of `scenarios.cosimulation.simulation` for the order."""
-        if self._ticks == 0:
+        """The coach's callback, every `turn_s`; see the head of `scenarios.cosimulation.simulation` for the order."""
+        ticks = self._ticks.item()
+        if ticks == 0:
             self._state = state
             self._numbers["coach_at"] = state.address
-        return self._actuation if self._tick(t_s) else None
+        return self._actuation if self._tick(t_s, ticks) else None
 
     @property
     def plant(self) -> Plant:
         """The coach's compiled work, every `period_s`."""
         return Plant(act_address(), self._address, self.period_s, self._refuse)
 
+    @property
+    def turn_s(self) -> float:
+        """Period of `on_tick`: the driver's where all that happens at the ticks between is compiled, else a tick."""
+        return self._ticks_per_turn * TICK_S
+
     def _refuse(self, t_s: float, acted: int) -> NoReturn:
+        if acted == JUMPED:
+            raise ValueError(f"t_s = {t_s}: the angle of a wheel has jumped by thousands of pulses")
         if acted == BAD_TRACTION:
             raise ValueError(f"at t = {t_s:.2f} s: traction_n = {self._view.traction_n}, it must be finite")
         command = self._numbers["command"].tolist()
@@ -147,21 +161,19 @@ class Loop:
             f"demand = {self._demand}, it must be 0 to 1"
         )
 
-    def _tick(self, t_s: float) -> bool:
-        """Everything that happens each 10 ms; False ends the run."""
-        ticks = self._ticks
+    def _tick(self, t_s: float, ticks: int) -> bool:
+        """Everything that happens at a tick of Python's; False ends the run."""
         if t_s >= self._faults.next_s:
             self._faults.step(t_s)
-        controlling = ticks % self._ticks_per_control == 0
-        looked = look(self._address, t_s, controlling)
+        ahead = self._ticks_per_turn
+        looked = look(self._address, t_s, ahead)
         if looked == NO_ROOM:
-            self._make_room()
-            looked = look(self._address, t_s, controlling)
-        if looked != LOOKED:
-            raise ValueError(f"t_s = {t_s}: the angle of a wheel has jumped by thousands of pulses")
-        self._ticks = ticks + 1
+            self._make_room(ticks, ahead)
+            looked = look(self._address, t_s, ahead)
+        if looked != DONE:
+            self._refuse(t_s, looked)
         if ticks % _TICKS_PER_DRIVER == 0:
-            self._look_around(t_s)
+            self._look_around(t_s, ticks)
             if self.stopped or self.off_the_line:
                 return False
         if self._controller is None:
@@ -169,30 +181,30 @@ class Loop:
                 return False
         else:
             if self._reference is not None and ticks > 0 and self._reference.due(t_s - TICK_S):
-                self._estimate(t_s - TICK_S, self._reference)
-            if controlling:
+                self._estimate(t_s - TICK_S, self._seen[ticks - 1], self._reference)
+            if ticks % self._ticks_per_control == 0:
                 self._control(t_s, self._controller)
         return True
 
-    def _make_room(self) -> None:
-        """Let every array have room for what the next tick brings."""
+    def _make_room(self, ticks: int, ahead: int) -> None:
+        """Let every array have room for what the next ticks bring, `ahead` in number."""
         numbers, tachometers = self._numbers, self.tachometers
         tachometers.count = int(numbers["edge_count"])
-        tachometers.make_room()
+        tachometers.make_room(ahead)
         numbers["edge_count"] = tachometers.count
         numbers["edges_at"], numbers["edges_room"] = address_of(tachometers.edges), len(tachometers.edges)
-        if self._ticks == len(self._seen):
+        if ticks + ahead > len(self._seen):
             self._seen = np.concatenate([self._seen, np.zeros_like(self._seen)])
         numbers["seen_at"], numbers["seen_room"] = address_of(self._seen), len(self._seen)
-        numbers["row"] = self._recorder.make_room(int(numbers["row"]), int(numbers["rows_per_tick"]))
+        numbers["row"] = self._recorder.make_room(int(numbers["row"]), ahead * int(numbers["rows_per_tick"]))
         numbers["motion_at"], numbers["brake_rows_at"] = map(address_of, self._recorder.block)
         numbers["rows_room"] = len(self._recorder.block[0])
 
-    def _look_around(self, t_s: float) -> None:
+    def _look_around(self, t_s: float, ticks: int) -> None:
         """A tick of the driver: what he answered at the last one comes into force, then he answers anew."""
         driver = self._driver
         position_m, speed_mps, moved, still_ticks = self._seen_last.item()
-        if self._ticks % _PROGRESS_TICKS == 1:
+        if ticks % _PROGRESS_TICKS == 0:
             if self._stop_requested():
                 raise RunInterrupted
             self._on_progress(t_s, position_m, speed_mps)
@@ -234,12 +246,11 @@ class Loop:
         self._answer = answer
         self._numbers["answer_at"] = answer.address
 
-    def _estimate(self, tick_s: float, reference: EstimatedReference) -> None:
+    def _estimate(self, tick_s: float, seen: np.ndarray, reference: EstimatedReference) -> None:
         """The estimator of the reference takes what was recorded up to the last tick."""
         # recorded are whole ticks: what came after the instant of that tick belongs to the next one
         last = self._recorder.before + int(self._numbers["row"]) - (int(self._numbers["rows_per_tick"]) - 1)
         rows = self._recorder.motion_rows(self._estimated_rows, last)
-        seen = self._seen[self._ticks - 2]
         reference.step(tick_s, rows, seen[:4], seen[4:] > 0.0)
         self._estimated_rows = last
 
@@ -263,7 +274,7 @@ class Loop:
         simulated_s = report.simulated_s if report else int(self._numbers["periods"]) * self.period_s
         self.tachometers.count = int(self._numbers["edge_count"])
         recorder.rows = int(self._numbers["row"])
-        seen = self._seen[: self._ticks]
+        seen = self._seen[: self._ticks.item()]
         motion, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact)
         return Truth(
             motion=motion,

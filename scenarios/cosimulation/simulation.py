@@ -3,11 +3,15 @@
 The loop has a period of its own: 5 ms, or less where step or record period ask for it (`loop_period_s`). Order within a
 period from t_k to t_k+1, at the state of t_k:
 1. at whole ticks (10 ms): faults come and go; the tachometers look at the wheels' angles; what the controller answered
-   one tick ago comes into force; it reads the new tick and answers for the next one (every link latches: inputs of
-   tick k act from tick k+1); the driver does the same at its own ticks (0.1 s);
+   one tick ago comes into force; the driver does the same at his own ticks (0.1 s): what he answered at the last one
+   comes into force, and he answers anew; the controller reads the new tick and answers for the next one (every link
+   latches: inputs of tick k act from tick k+1);
 2. the recorder, at its own period, writes down what is true at t_k;
 3. the brake plant advances to t_k+1 with the valve commands in force; the torques and forces that it then has act on
    the coach throughout the period.
+
+All of it is compiled but the driver, faults, an estimator as reference speed, controllers in Python or from outside:
+Python has its turn at the driver's ticks, and at every tick where one of the others is there (`Loop.turn_s`).
 """
 
 from collections.abc import Callable
@@ -51,7 +55,7 @@ def simulate(
             simulation.initial_position_m,
             simulation.initial_speed_kmh / KMH_PER_MPS,
             loop.on_tick,
-            TICK_S,
+            loop.turn_s,
             plant=loop.plant,
         )
     except (SolverFailure, ControllerFailed) as failure:
@@ -85,7 +89,7 @@ def _compile(scenario: Scenario) -> None:
     loop = Loop(scenario, line, lambda *_: None, lambda: False, _Idle() if starts_process else None)
     try:
         coach.run(
-            simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_tick, TICK_S,
+            simulation.step_s, 2 * TICK_S, simulation.initial_position_m, speed_mps, loop.on_tick, loop.turn_s,
             plant=loop.plant,
         )  # fmt: skip
     finally:

@@ -86,7 +86,7 @@ def protected_stop(step_s: float, from_kmh: float = FROM_KMH) -> Stop:
     coach = Coach(scenario.coach, line.contact, line.track, line.rail)
     newton = step_s == REFERENCE_S
     speed_mps = from_kmh / KMH_PER_MPS
-    report = coach.run(step_s, LONGEST_S, 100.0, speed_mps, loop.on_tick, TICK_S, newton, loop.plant)
+    report = coach.run(step_s, LONGEST_S, 100.0, speed_mps, loop.on_tick, loop.turn_s, newton, loop.plant)
     motion = loop.truth(report).motion
     every = round(TICK_S / scenario.simulation.record_period_s)
     return Stop(motion.position_m[::every], motion.speed_mps[::every])

@@ -1,5 +1,6 @@
 """The co-simulation: order and delay of its links, convergence, the driver, the ends of a run."""
 
+import dataclasses
 import math
 from typing import Any
 
@@ -7,8 +8,10 @@ import numpy as np
 import pytest
 from pydantic import BaseModel, ValidationError
 
+from scenarios.cosimulation import loop as loop_module
 from scenarios.cosimulation import simulation
 from scenarios.cosimulation.driver import Driver, DriverParameters
+from scenarios.cosimulation.line import Line
 from scenarios.cosimulation.loop import Loop
 from scenarios.cosimulation.simulation import simulate
 from scenarios.cosimulation.traction import TractionParameters
@@ -19,8 +22,9 @@ from scenarios.scenario_file import load_scenario
 from scenarios.schema import TICK_S, Scenario
 from scenarios.shortest_stop import shortest_stop
 from scenarios.truth import Truth
+from sensors import pulse_edges
 from vehicle import Actuation, CoachState
-from wsp import FILL, VENT, ControllerOutput
+from wsp import CONTROLLERS, FILL, VENT, ControllerOutput
 
 SLOW_STOP = (
     "simulation.initial_speed_kmh=60",
@@ -214,6 +218,85 @@ def test_an_output_that_the_controller_does_not_keep_is_obeyed(monkeypatch: pyte
     assert commands[0].any()
     assert np.array_equal(*commands)
     assert truth.brake.reference_speed_mps == pytest.approx(truth.brake.t_s)  # recorded at each tick, here its time
+
+
+def test_python_at_every_tick_leaves_the_run_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """To the last bit and row, over more rows, ticks and pulses than the arrays first have room for."""
+    turns: list[float] = []
+    on_tick = Loop.on_tick
+
+    def noted(self: Loop, t_s: float, state: CoachState) -> Actuation | None:
+        turns.append(t_s)
+        return on_tick(self, t_s, state)
+
+    monkeypatch.setattr(Loop, "on_tick", noted)
+    monkeypatch.setattr(loop_module, "_FIRST_TICKS", 64)
+    monkeypatch.setattr(simulation, "_compile", lambda *_: None)
+    settings = (*SLOW_STOP, "simulation.record_period_s=0.005", "tachometers.pulses_per_revolution=4096")
+    seldom, counted = run(*settings), len(turns)
+    monkeypatch.setattr(Loop, "turn_s", TICK_S)
+    often = run(*settings)
+    assert seldom.solve.ended == "standstill"
+    assert len(seldom.motion) > 4096
+    assert len(seldom.tachometer.t_s) > 1 << 17
+    assert len(turns) - counted == len(seldom.axle_speeds.t_s) == 10 * (counted - 1) + 1
+    for stream in ("motion", "wheelsets", "brake", "tachometer", "axle_speeds", "rail"):
+        one, other = getattr(seldom, stream), getattr(often, stream)
+        for field in dataclasses.fields(one):
+            assert np.array_equal(getattr(one, field.name), getattr(other, field.name), equal_nan=True), field.name
+
+
+@pytest.mark.parametrize("name", ["rule-table", "slip-tracking", "adaptive"])
+def test_a_controller_answers_in_the_loop_as_it_does_outside(name: str) -> None:
+    """Fed with what was recorded, tick by tick: the same reference speed, the same commands one tick later."""
+    settings = (*SLOW_STOP, "simulation.longest_s=12", f"wsp.controller={name}")
+    truth, controller = run(*settings), load_scenario("low-adhesion-stop", settings).make_controller()
+    controller.reset(0.0, 1)
+    seen, brake = truth.axle_speeds, truth.brake
+    assert (brake.valve_command == VENT).any()
+    in_force = np.full(4, FILL)
+    for k, t_s in enumerate(brake.t_s):
+        assert np.array_equal(brake.valve_command[k], in_force), t_s
+        output = controller.step(t_s, seen.axle_speed_mps[k], seen.valid[k], brake.demand[k], 1, math.nan)
+        assert output.reference_speed_mps == brake.reference_speed_mps[k], t_s
+        in_force = output.valve.copy()
+
+
+class Loud(CONTROLLERS["rule-table"]):
+    """Would say something at each of its ticks."""
+
+    def step(self, *inputs: Any) -> ControllerOutput:
+        return super().step(*inputs)
+
+
+@pytest.mark.parametrize(
+    ("turn_s", "setting"),
+    [
+        (0.1, "wsp.controller=rule-table"),
+        (0.1, "wsp.controller=adaptive"),
+        (TICK_S, "wsp.controller=none"),
+        (TICK_S, f"wsp.controller={__file__}:Loud"),
+        (TICK_S, "wsp.reference_estimator=ins-odo"),
+        (TICK_S, 'faults=[{kind="brake-cut-out", axle=1, at_s=0.53}]'),
+    ],
+)
+def test_python_has_its_turn_where_it_has_something_to_say(turn_s: float, setting: str) -> None:
+    scenario = load_scenario("low-adhesion-stop", [setting])
+    assert Loop(scenario, Line(scenario), lambda *_: None, lambda: False).turn_s == pytest.approx(turn_s)
+
+
+def test_a_wheel_that_jumps_between_two_turns_of_python_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    on_tick = Loop.on_tick
+
+    def jumping(self: Loop, t_s: float, state: CoachState) -> Actuation | None:
+        actuation = on_tick(self, t_s, state)
+        if t_s > 0.45:
+            self.tachometers.state[pulse_edges.EDGE, 2] -= 1e6
+        return actuation
+
+    monkeypatch.setattr(Loop, "on_tick", jumping)
+    with pytest.raises(ValueError, match=r"^t_s = 0.51: the angle of a wheel has jumped"):
+        run(*SLOW_STOP)
 
 
 def test_the_brake_torque_of_a_step_is_that_of_the_plant_at_its_end() -> None:
