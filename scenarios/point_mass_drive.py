@@ -14,10 +14,12 @@ from scenarios.point_mass import Line as PointMassLine
 from scenarios.schema import Scenario
 from scenarios.units import KMH_PER_MPS
 from vehicle import GRAVITY_MPS2
-from wheel_rail.adhesion_condition import rail_condition
+from wheel_rail.adhesion_condition import rail_conditions
 from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Record, Vector, compiled
-from wheel_rail.recovery import CONDITION, offered_adhesion
+from wheel_rail.lanes import LANES
+from wheel_rail.peak_adhesion import offered_to_wheels
+from wheel_rail.recovery import CONDITION
 from wsp import FILL, Brake
 from wsp.brake import advance_brake
 
@@ -97,7 +99,8 @@ def _advance(
 ) -> None:  # fmt: skip
     """The steps between two ticks of the driver; fills `rows` (n, 2) with position and speed at their ends."""
     mass, effective, radius, largest, driven_share, load_n, shear, power = constants
-    condition = np.empty(CONDITION)
+    condition = np.empty((LANES, CONDITION))
+    load, wheel_speed, peak, at_creep = np.full((4, LANES), load_n)
     rate = np.empty(4)
     weight = mass * GRAVITY_MPS2
     for k in range(rows.shape[0]):
@@ -106,12 +109,13 @@ def _advance(
         advance_brake(brake[0], state[DEMAND], no_wsp, rate, v)
         braking = (np.sum(brake[0].torque_nm) + np.sum(brake[0].dynamic_torque_nm)) / radius
         driving = min(state[TRACTION], power / max(v, 1.0))
-        found = 0.0
         for i in range(4):
-            for side in range(2):
-                rail_condition(s + offsets_m[i], side, v, rail, condition)
-                peak, _ = offered_adhesion(law[0], law[1], extra, v, load_n, patch, condition, shear, False)
-                found += peak * load_n
+            rail_conditions(s + offsets_m[i], v, rail, condition[2 * i : 2 * i + 2])
+        wheel_speed[:] = v
+        offered_to_wheels(
+            law[0], law[1], extra, wheel_speed, load, patch, load_n, condition, shear, False, peak, at_creep
+        )
+        found = load_n * np.sum(peak)
         u = s / SLOPE_SPACING_M
         i = min(max(int(u), 0), slope.shape[0] - 2)
         permille = slope[i] + (u - i) * (slope[i + 1] - slope[i])

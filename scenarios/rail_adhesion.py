@@ -12,7 +12,8 @@ from wheel_rail import REFERENCE_LOAD_N, REFERENCE_SPEED_MPS
 from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_state import ENERGY_KEPT, SAND_KEPT, RailTables
 from wheel_rail.compiled import Array, Vector, compiled
-from wheel_rail.recovery import CONDITION, TAU, offered_adhesion
+from wheel_rail.peak_adhesion import offered_adhesion
+from wheel_rail.recovery import CONDITION, TAU
 
 LEAD_M = 50.0
 _STEP_M = 2.0

@@ -7,10 +7,12 @@ from scenarios.metrics import stop_span
 from scenarios.schema import Scenario
 from scenarios.truth import Truth
 from vehicle import GRAVITY_MPS2
-from wheel_rail.adhesion_condition import rail_condition
+from wheel_rail.adhesion_condition import rail_conditions
 from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Record, Vector, compiled
-from wheel_rail.recovery import CONDITION, offered_adhesion
+from wheel_rail.lanes import LANES
+from wheel_rail.peak_adhesion import offered_to_wheels
+from wheel_rail.recovery import CONDITION
 from wsp import FILL, Brake
 from wsp.brake import advance_brake
 
@@ -78,7 +80,8 @@ def _point_mass_stop(
 
     The demands come from the begin of the run; while it had the speeds `before_mps` the brake alone goes along.
     """
-    condition = np.empty(CONDITION)
+    condition = np.empty((LANES, CONDITION))
+    load, wheel_speed, peak, at_creep = np.full((4, LANES), load_n)
     rate_radps = np.empty(4)
     start = position_m
     for k in range(before_mps.shape[0]):
@@ -90,14 +93,13 @@ def _point_mass_stop(
         brake[0].track_brake_on = magnets[k] > 0.5
         advance_brake(brake[0], demand[k], no_wsp, rate_radps, speed_mps)
         force_n = (np.sum(brake[0].torque_nm) + np.sum(brake[0].dynamic_torque_nm)) / radius_m
-        limit = 0.0
         for i in range(4):
-            for side in range(2):
-                rail_condition(position_m + offsets_m[i], side, speed_mps, rail, condition)
-                peak, _ = offered_adhesion(
-                    law[0], law[1], extra, speed_mps, load_n, patch, condition, shear_modulus_pa, False
-                )
-                limit += peak * load_n
+            rail_conditions(position_m + offsets_m[i], speed_mps, rail, condition[2 * i : 2 * i + 2])
+        wheel_speed[:] = speed_mps
+        offered_to_wheels(
+            law[0], law[1], extra, wheel_speed, load, patch, load_n, condition, shear_modulus_pa, False, peak, at_creep
+        )
+        limit = load_n * np.sum(peak)
         drag = resistance[0] + speed_mps * (resistance[1] + speed_mps * resistance[2])
         drag += np.sum(brake[0].track_brake_force_n)  # not through the wheels
         place = min(max(int(position_m), 0), gradient_permille.shape[0] - 1)

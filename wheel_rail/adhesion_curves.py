@@ -12,8 +12,9 @@ from scipy.optimize import brentq
 from wheel_rail.adhesion_parameters import RailSurface
 from wheel_rail.compiled import compiled
 from wheel_rail.creep_laws import LawInForce
+from wheel_rail.peak_adhesion import offered_adhesion
 from wheel_rail.polach import SURFACES, Surface
-from wheel_rail.recovery import CONDITION, DEGRADED, MU0, RECOVERED, TAU, offered_adhesion
+from wheel_rail.recovery import CONDITION, DEGRADED, MU0, RECOVERED, TAU
 from wheel_rail.sanding import SandEffect
 
 REFERENCE_LOAD_N = 68.7e3

@@ -25,8 +25,6 @@ CONDITION = 13
 
 LOWEST_SPEED_MPS = 0.1
 """Speed that counts at least where work is referred to the way: a wheel that spins at rest does not clean for ever."""
-LARGEST_CREEP = 0.3
-"""Peak adhesion is the maximum over creep up to here."""
 
 
 @inlined
@@ -189,73 +187,3 @@ def _between(
     # dp/ds (1 - x) = (1 - lambda) p_d' + lambda p_r' + x p/s
     tangent = (kept * tangent + gained * r_tangent + x * force) / greater(1.0 - x, 1e-3)
     return kept * fx + gained * rx, kept * fy + gained * ry, tangent, kept * secant + gained * r_secant
-
-
-@compiled
-def _adhesion_at(
-    law: int, address: int, extra: Array, creep: float, speed_mps: float, normal_force_n: float, patch: Vector,
-    condition: Array, shear_modulus_pa: float, own_cleaning: bool,
-) -> float:  # fmt: skip
-    """Adhesion |Fx|/N at a longitudinal creep."""
-    slip_speed = creep * speed_mps
-    if own_cleaning or condition[TAU] <= 0.0:
-        fx, _, _, _ = adhesive_force(
-            law, address, extra, creep, 0.0, 0.0, slip_speed, speed_mps, normal_force_n, patch, condition,
-            shear_modulus_pa,
-        )  # fmt: skip
-        return -fx / normal_force_n
-    fx, _, _, _ = _force_on_curve(
-        law, address, extra, creep, 0.0, 0.0, slip_speed, normal_force_n, patch, condition, DEGRADED, shear_modulus_pa,
-    )  # fmt: skip
-    rx, _, _, _ = _force_on_curve(
-        law, address, extra, creep, 0.0, 0.0, slip_speed, normal_force_n, patch, condition, RECOVERED, shear_modulus_pa,
-    )  # fmt: skip
-    kept = math.exp(-condition[TAU] * condition[ENERGY])
-    return -(kept * fx + (1.0 - kept) * rx) / normal_force_n
-
-
-@compiled
-def offered_adhesion(
-    law: int, address: int, extra: Array, speed_mps: float, normal_force_n: float, patch: Vector, condition: Array,
-    shear_modulus_pa: float, own_cleaning: bool,
-) -> tuple[float, float]:  # fmt: skip
-    """Peak adhesion: the maximum over longitudinal creep up to LARGEST_CREEP, and the creep where it lies.
-
-    `own_cleaning`: whether the wheel may clean the rail for itself (what it can use), or the rail is taken as it lies
-    before the wheel (as found). The curve may have two maxima, a steep one and one made by cleaning: it is scanned
-    first, then the best place refined by golden section over the logarithm of creep.
-    """
-    scan = 12
-    lowest = math.log(1e-4)
-    width = (math.log(LARGEST_CREEP) - lowest) / scan
-    best, at = -1.0, 0
-    for k in range(scan + 1):
-        found = _adhesion_at(
-            law, address, extra, math.exp(lowest + k * width), speed_mps, normal_force_n, patch, condition,
-            shear_modulus_pa, own_cleaning,
-        )  # fmt: skip
-        if found > best:
-            best, at = found, k
-    golden = 0.6180339887498949
-    low, high = lowest + max(at - 1, 0) * width, lowest + min(at + 1, scan) * width
-    place = lowest + at * width
-    x1, x2 = high - golden * (high - low), low + golden * (high - low)
-    f1 = _adhesion_at(law, address, extra, math.exp(x1), speed_mps, normal_force_n, patch, condition,
-                      shear_modulus_pa, own_cleaning)  # fmt: skip
-    f2 = _adhesion_at(law, address, extra, math.exp(x2), speed_mps, normal_force_n, patch, condition,
-                      shear_modulus_pa, own_cleaning)  # fmt: skip
-    for _ in range(13):
-        if f1 < f2:
-            low, x1, f1 = x1, x2, f2
-            x2 = low + golden * (high - low)
-            f2 = _adhesion_at(law, address, extra, math.exp(x2), speed_mps, normal_force_n, patch, condition,
-                              shear_modulus_pa, own_cleaning)  # fmt: skip
-        else:
-            high, x2, f2 = x2, x1, f1
-            x1 = high - golden * (high - low)
-            f1 = _adhesion_at(law, address, extra, math.exp(x1), speed_mps, normal_force_n, patch, condition,
-                              shear_modulus_pa, own_cleaning)  # fmt: skip
-    for x, f in ((x1, f1), (x2, f2)):
-        if f > best:
-            best, place = f, x
-    return best, math.exp(place)

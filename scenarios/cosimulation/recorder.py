@@ -12,7 +12,9 @@ from sensors.streams import quantities
 from vehicle import OBSERVATION, POWERS
 from wheel_rail import Contact, Track
 from wheel_rail.compiled import Array, Vector, compiled
-from wheel_rail.recovery import offered_adhesion
+from wheel_rail.lanes import LANES
+from wheel_rail.peak_adhesion import offered_to_wheels
+from wheel_rail.recovery import CONDITION
 
 _BLOCK = 4096
 _HUGE_PAGE = 1 << 21
@@ -154,32 +156,48 @@ def _offered_adhesion(
     reference_load_n: float, shear_modulus_pa: float, offered: Array, at_slip: Array,
 ) -> None:  # fmt: skip
     """Load-weighted peak adhesion of the two wheels of each wheelset, into `offered` (n, 4), and the slip that it is
-    found at into `at_slip`."""
+    found at into `at_slip`; both 0 for a wheelset in the air."""
+    asked = np.empty((speed.size * 2, 3), np.int64)
+    loads, shares = np.empty((2, len(asked)))
+    count = 0
     for n in range(speed.shape[0]):
         for i in range(4):
-            left, right = conditions[n, 0, i], conditions[n, 1, i]
-            loads = max(normal[n, 2 * i], 0.0), max(normal[n, 2 * i + 1], 0.0)
-            if loads[0] + loads[1] <= 0.0:
-                offered[n, i] = at_slip[n, i] = 0.0
-                continue
+            of_wheels = max(normal[n, 2 * i], 0.0), max(normal[n, 2 * i + 1], 0.0)
+            both = of_wheels[0] + of_wheels[1]
             # peak adhesion hardly depends on the load: on rails alike one search serves both wheels
-            alike = True
-            for k in range(left.size):
-                if abs(left[k] - right[k]) > 0.02 * abs(left[k]):
-                    alike = False
-            total = slip = 0.0
-            for side in range(2):
-                if side == 1 and alike:
-                    break
-                load = 0.5 * (loads[0] + loads[1]) if alike else loads[side]
-                growth = np.cbrt(load / reference_load_n)
-                grown = (patch[0] * growth, patch[1] * growth, patch[2], patch[3], patch[4], patch[5])
-                condition = right if side == 1 else left
-                peak, creep = offered_adhesion(
-                    law[0], law[1], extra, abs(speed[n, i]), max(load, 1.0), grown, condition, shear_modulus_pa, True
-                )
-                carried = 2.0 * load if alike else load
-                total += peak * carried
-                slip += creep * carried
-            offered[n, i] = total / (loads[0] + loads[1])
-            at_slip[n, i] = slip / (loads[0] + loads[1])
+            alike = _alike(conditions[n, 0, i], conditions[n, 1, i])
+            for side in range(1 if alike else 2):
+                carried = both if alike else of_wheels[side]
+                if carried > 0.0:
+                    asked[count] = n, side, i
+                    loads[count] = max(0.5 * both if alike else carried, 1.0)
+                    shares[count] = carried / both
+                    count += 1
+    offered[:] = 0.0
+    at_slip[:] = 0.0
+    # eight together, of whatever row and wheelset, cost little more than one
+    wheel_speed, load, peak, creep = np.zeros((4, LANES))
+    condition = np.zeros((LANES, CONDITION))
+    for first in range(0, count, LANES):
+        load[:] = 0.0
+        for w in range(min(LANES, count - first)):
+            n, side, i = asked[first + w]
+            wheel_speed[w], load[w] = abs(speed[n, i]), loads[first + w]
+            condition[w] = conditions[n, side, i]
+        offered_to_wheels(
+            law[0], law[1], extra, wheel_speed, load, patch, reference_load_n, condition, shear_modulus_pa, True,
+            peak, creep,
+        )  # fmt: skip
+        for w in range(min(LANES, count - first)):
+            n, _, i = asked[first + w]
+            offered[n, i] += shares[first + w] * peak[w]
+            at_slip[n, i] += shares[first + w] * creep[w]
+
+
+@compiled
+def _alike(one: Array, other: Array) -> bool:
+    """Whether two rail conditions differ by 2 % at most in each number."""
+    alike = True
+    for k in range(CONDITION):
+        alike &= abs(one[k] - other[k]) <= 0.02 * abs(one[k])
+    return alike

@@ -11,7 +11,8 @@ from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_state import RailState, RailTables
 from wheel_rail.contact_parameters import ConicalGeometry
 from wheel_rail.creep_laws import CREEP_LAWS
-from wheel_rail.recovery import CONDITION, adhesive_force, offered_adhesion
+from wheel_rail.peak_adhesion import offered_adhesion
+from wheel_rail.recovery import CONDITION, adhesive_force
 
 ALLOTTA = "Allotta et al. 2014"
 LOAD_N, SHEAR_PA = 68.7e3, 82e9

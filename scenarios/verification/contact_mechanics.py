@@ -10,8 +10,9 @@ from scenarios.verification.case import Case
 from wheel_rail.creep_laws import CREEP_LAWS
 from wheel_rail.hertz import EllipticContact, elliptic_contact
 from wheel_rail.kalker import creep_coefficients
+from wheel_rail.peak_adhesion import offered_adhesion
 from wheel_rail.polach import SURFACES, polach_force
-from wheel_rail.recovery import CONDITION, DEGRADED, RECOVERED, offered_adhesion
+from wheel_rail.recovery import CONDITION, DEGRADED, RECOVERED
 
 KALKER = "Kalker 1990, table E.3"
 TRACTCURV = "CONTACT, case tractcurv"

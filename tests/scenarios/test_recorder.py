@@ -12,6 +12,7 @@ from scenarios.cosimulation.recorder import Recorder
 from scenarios.scenario_file import load_scenario
 from sensors.streams import Stream, quantities
 from vehicle import OBSERVATION
+from wheel_rail.peak_adhesion import offered_adhesion
 
 ROWS_OF_A_TICK = 2
 ROWS = 30_000
@@ -72,6 +73,43 @@ def test_every_row_comes_out_where_it_was_written(line: Line) -> None:
     np.testing.assert_allclose(wheelsets.slip[1:] * speed[1:], (speed - rows["rim_speed_mps"])[1:], rtol=1e-9)
     for name in quantities(type(brake)):
         np.testing.assert_array_equal(getattr(brake, name), rows["t_s"] if name == "t_s" else brake_rows[name])
+
+
+def test_the_peak_on_offer_is_that_of_both_wheels_by_their_loads(line: Line) -> None:
+    """On rails alike as on others; a wheelset in the air is offered nothing, and its neighbours what is theirs."""
+    rng = np.random.default_rng(5)
+    rows = np.zeros(30, OBSERVATION)
+    rows["wheelset_speed_mps"] = rng.uniform(-2.0, 40.0, (30, 4))
+    load = rng.uniform(4e4, 9e4, (30, 8)) * rng.choice([0.0, 1.0], (30, 8), p=[0.2, 0.8])
+    rows["normal_force_n"] = load
+    condition = rows["rail_condition"]
+    condition[..., :12] = 0.1, 0.4, 0.2, 0.3, 0.1, 0.25, 0.5, 0.1, 1.0, 0.4, 5e-4, 300.0
+    condition[::2, 1, :, 0] = 0.05  # the right rail
+    recorder = Recorder()
+    recorder.block[0][:30] = rows
+    recorder.rows = 30
+    _, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact)
+    law, patch = line.contact.law, line.contact.patch
+    for n, i in np.ndindex(30, 4):
+        carried = load[n, 2 * i : 2 * i + 2]
+        if not carried.any():
+            assert (wheelsets.peak_adhesion[n, i], wheelsets.peak_slip[n, i]) == (0.0, 0.0)
+            continue
+        offered = []
+        for side in range(2):
+            # on rails alike one search at the mean load serves both
+            load_n = max(carried.mean() if n % 2 else carried[side], 1.0)
+            growth = np.cbrt(load_n / line.contact.load_n)
+            offered.append(
+                offered_adhesion(
+                    law.number, law.address, law.extra, abs(rows["wheelset_speed_mps"][n, i]), load_n,
+                    np.array([patch[0] * growth, patch[1] * growth, *patch[2:]]), condition[n, side, i],
+                    line.contact.parameters.shear_modulus_pa, True,
+                )
+            )  # fmt: skip
+        peak, slip = np.average(offered, axis=0, weights=carried)
+        assert wheelsets.peak_adhesion[n, i] == pytest.approx(peak, rel=1e-9)
+        assert wheelsets.peak_slip[n, i] == pytest.approx(slip, rel=1e-4)
 
 
 def test_a_run_is_not_in_memory_twice(line: Line) -> None:

@@ -14,7 +14,8 @@ from wheel_rail.adhesion_condition import rail_condition
 from wheel_rail.adhesion_curves import curtius_kniffler
 from wheel_rail.adhesion_state import RailState
 from wheel_rail.creep_laws import CREEP_LAWS
-from wheel_rail.recovery import CONDITION, DEGRADED, ENERGY, MU0, RECOVERED, TAU, offered_adhesion
+from wheel_rail.peak_adhesion import offered_adhesion
+from wheel_rail.recovery import CONDITION, DEGRADED, ENERGY, MU0, RECOVERED, TAU
 from wheel_rail.recovery_parameters import load_recovery
 
 DRY = {"surface": "dry", "peak_adhesion": 0.3}
