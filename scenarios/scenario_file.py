@@ -87,6 +87,7 @@ def _file_layers(path: Path) -> list[Layer]:
         seen.append(path.resolve())
         layer = _prepared(Layer(read_toml(path), str(path), path.parent))
         head = table_of(layer.tree, "scenario")
+        _refuse_misplaced_extends(layer)
         parent = head.pop("extends", None)
         if layers:  # name and title belong to the file itself
             head.pop("name", None)
@@ -100,6 +101,17 @@ def _file_layers(path: Path) -> list[Layer]:
             path = layer.folder / parent if parent.endswith(".toml") else find_file("scenario", parent)
         except UnknownName as error:
             raise BadInput(Fault(str(path), "scenario.extends", str(error))) from None
+
+
+def _refuse_misplaced_extends(layer: Layer) -> None:
+    """A file whose `extends` stands elsewhere extends nothing: every key that it counts on would be told as missing."""
+    if "extends" in table_of(layer.tree, "scenario"):
+        return
+    for section in ("", *layer.tree):
+        table = table_of(layer.tree, section) if section else layer.tree
+        if "extends" in table:
+            key = f"{section}.extends" if section else "extends"
+            raise BadInput(Fault(layer.source, f"{key} = {table['extends']!r}", "belongs in the table [scenario]"))
 
 
 def _prepared(layer: Layer) -> Layer:

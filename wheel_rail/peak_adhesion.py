@@ -125,7 +125,7 @@ def _polach_wheels(creep: Lanes, wheels: Any) -> tuple[Lanes, Lanes]:
 def _search(curve: Callable[..., tuple[Lanes, Lanes]], wheel: Any) -> tuple[Lanes, Lanes]:
     """Highest adhesion, and its creep; `curve(creep, wheel)` gives adhesion and its slope over the logarithm of creep.
 
-    Slopes propose the places to look at, values decide. A lane that has arrived stays there, whatever the others still do.
+    Slopes propose the places to look at, values decide. A lane that has arrived waits for the others.
     """
     creep = _LOWEST_CREEP
     ahead, ahead_slope = curve(creep, wheel)

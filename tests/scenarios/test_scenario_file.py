@@ -76,6 +76,22 @@ def test_extends_in_a_circle_is_refused(tmp_path: Path) -> None:
     assert "circle" in refusal(tmp_path / "a.toml")
 
 
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ('extends = "test-path"\n[brake]\nfull_service_pressure_bar = 3.8\n', "extends"),
+        ('extends = "test-path"\n[scenario]\ntitle = "t"\n', "extends"),
+        ('[brake]\nextends = "test-path"\n', "brake.extends"),
+    ],
+)
+def test_extends_in_the_wrong_place_is_the_one_fault_that_is_told(text: str, key: str, write: Write) -> None:
+    path = write(text)
+    assert refusal(path) == f"{path}: {key} = 'test-path': belongs in the table [scenario]"
+    child = path.with_name("child.toml")
+    child.write_text('[scenario]\nextends = "my.toml"\n', encoding="utf-8")
+    assert refusal(child) == refusal(path)
+
+
 def test_settings_lie_over_the_file_in_order() -> None:
     scenario = load_scenario(
         BUILT_IN,
