@@ -3,12 +3,13 @@
 from functools import cache, partial
 
 import numpy as np
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 from scipy.signal import periodogram, welch
 from scipy.special import fresnel
 
 from scenarios.verification.case import Case
 from wheel_rail import Irregularities, Track, TrackParameters
+from wheel_rail.alignment import heading_rad
 from wheel_rail.irregularity_parameters import IrregularityParameters
 from wheel_rail.irregularity_spectra import QUANTITIES, SPECTRA, SpectrumName
 from wheel_rail.track import track_frame
@@ -16,10 +17,15 @@ from wheel_rail.track import track_frame
 ALIGNMENT, SPECTRAL = "Line, alignment", "Line, irregularities"
 GENSYS = "GENSYS manual, PSD of ORE B176"
 AAR = "reference figures, AAR track classes"
+INTEGRATED = "independent integration"
 
 LENGTH_M = 60_000.0
 RADIUS_M, TRANSITION_M, ARC_M = 700.0, 100.0, 300.0
 S_CURVE_M = 1000.0  # two curves, to the left and to the right
+
+# curves that join: length of transition and arc, radius (m); the second curve's transitions are Bloss's
+FIRST_CURVE, SECOND_LENGTHS_M, EXIT_M = (80.0, 150.0, 600.0), (60.0, 120.0), 70.0
+JOINED = {"compound": 300.0, "reverse": -450.0}
 
 # the band of wave numbers over which the rms of the track classes is told, cycles/m
 AAR_BAND_CPM = (0.024, 0.333)
@@ -76,6 +82,55 @@ def _s_curves_off_mm() -> float:
     return 1e3 * float(np.linalg.norm(_place(track, LENGTH_M) - [end.real, end.imag, 0.0]))
 
 
+@cache
+def _joined_off(second_m: float) -> tuple[float, float, float]:
+    """A curve and a second one of radius `second_m` that joins it, every 2 m to its end: largest errors of curvature
+    (1/km), heading (urad) and place (mm) against an eighth-order integration of what the parameters say."""
+    entry_m, arc_m, first_m = FIRST_CURVE
+    joint_m, second_arc_m = SECOND_LENGTHS_M
+    curves = [
+        {"start_m": 0.0, "transition_in_m": entry_m, "length_m": arc_m, "radius_m": first_m},
+        {"start_m": entry_m + arc_m, "joins_previous": True, "transition_kind": "bloss", "transition_in_m": joint_m,
+         "length_m": second_arc_m, "radius_m": second_m, "transition_out_m": EXIT_M},
+    ]  # fmt: skip
+    parameters = TrackParameters.model_validate({"length_m": 1000.0, "curves": curves})
+    track = Track(parameters)
+    one, two = 1.0 / first_m, 1.0 / second_m
+    pieces = (
+        (entry_m, 0.0, one), (arc_m, one, one), (joint_m, one, two), (second_arc_m, two, two), (EXIT_M, two, 0.0)
+    )  # fmt: skip
+    worst, state, begin_m = np.zeros(3), np.zeros(3), 0.0
+    for length_m, before, after in pieces:
+        x = np.linspace(0.0, length_m, round(length_m / 2.0) + 1)
+        along = solve_ivp(
+            _bend, (0.0, length_m), state, "DOP853", x, rtol=1e-13, atol=1e-13, max_step=5.0,
+            args=(length_m, before, after),
+        ).y  # fmt: skip
+        s_m = begin_m + x
+        bend = np.array([_bend(at, state, length_m, before, after)[0] for at in x])
+        place = np.array([_place(track, at)[:2] for at in s_m])
+        off = (
+            1e3 * (track.curvature_radpm(s_m) - bend),
+            1e6 * (heading_rad(parameters, s_m) - along[0]),
+            1e3 * np.hypot(*(place.T - along[1:])),
+        )
+        worst = np.maximum(worst, np.abs(off).max(axis=1))
+        state, begin_m = along[:, -1], begin_m + length_m
+    curvature_off, heading_off, place_off = worst.tolist()
+    return curvature_off, heading_off, place_off
+
+
+def _bend(x_m: float, state: np.ndarray, length_m: float, before: float, after: float) -> list[float]:
+    """Slopes of heading and place: the first transition is a clothoid, the second curve's are Bloss's cubic."""
+    u = x_m / length_m
+    share = u * u * (3.0 - 2.0 * u) if before else u
+    return [before + (after - before) * share, np.cos(state[0]), np.sin(state[0])]
+
+
+def _joined_figure(second_m: float, which: int) -> float:
+    return _joined_off(second_m)[which]
+
+
 def _density_m3(name: SpectrumName, quantity: str, frequency_cpm: float) -> float:
     return float(SPECTRA[name].per_cycle(quantity, np.array(frequency_cpm)))
 
@@ -125,6 +180,17 @@ CASES = (
     Case(
         "track-60-km", ALIGNMENT, "error of the place at the end of 60 km of S-curves, R = 700 m: Fresnel integrals",
         "closed form", (0.0, 1e-3), "mm", _s_curves_off_mm,
+    ),
+    *(
+        Case(
+            f"track-{name}-{quantity}", ALIGNMENT,
+            f"{name} curve, R = {FIRST_CURVE[2]:g} m to {radius:g} m: largest error of {quantity} along it", INTEGRATED,
+            (0.0, bound), unit, partial(_joined_figure, radius, which),
+        )
+        for name, radius in JOINED.items()
+        for which, (quantity, bound, unit) in enumerate(
+            (("curvature", 1e-9, "1/km"), ("heading", 1e-3, "µrad"), ("place", 1e-5, "mm"))
+        )
     ),
     *(
         Case(
