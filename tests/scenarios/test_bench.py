@@ -9,7 +9,11 @@ from rich.console import Console
 from scenarios.bench import FASTSIM, LONG_PATH, Benchmark, benchmark_table, write_benchmarks
 from scenarios.errors import BadInput
 
-ROWS = [Benchmark(FASTSIM, "us", (30.0, 50.0, 20.0)), Benchmark(LONG_PATH, "times real time", (250.0,)), Benchmark("something else", "ratio", (2.0,))]
+ROWS = [
+    Benchmark(FASTSIM, "us", (30.0, 50.0, 20.0)),
+    Benchmark(LONG_PATH, "times real time", (250.0,)),
+    Benchmark("something else", "ratio", (2.0,)),
+]
 
 
 def test_required_values_stand_beside_the_medians(tmp_path: Path) -> None:
