@@ -24,7 +24,7 @@ from vehicle.forces import (
 from vehicle.layout import CLASSES, coach_at
 from vehicle.parameters import GRAVITY_MPS2
 from vehicle.rotations import place_of
-from wheel_rail.compiled import array_at, compiled, record_reader
+from wheel_rail.compiled import Array, array_at, compiled, inlined, record_reader
 from wheel_rail.contact import LATERAL, LONGITUDINAL, NORMAL, SLIDE_POWER
 from wheel_rail.recovery import CONDITION
 
@@ -66,6 +66,14 @@ OBSERVATION = np.dtype(
 _row_at = record_reader(OBSERVATION)
 
 
+@inlined
+def _total(force: Array, coordinate: int) -> float:
+    total = 0.0
+    for k in range(CLASSES):
+        total += force[k, coordinate]
+    return total
+
+
 @compiled
 def observe(t_s: float, address: int, row_address: int) -> None:
     """Write the observation at time t and the solver's state into the row (dtype OBSERVATION) at `row_address`.
@@ -89,24 +97,14 @@ def observe(t_s: float, address: int, row_address: int) -> None:
     out.pitch_rad = -math.asin(min(max(r[2, 0], -1.0), 1.0))
     out.yaw_rad = math.atan2(r[1, 0], r[0, 0])
 
-    accelerations = np.empty(3)
+    # of the carbody, world axes; no array of three, which would be allocated each time
+    ax, ay, az = _total(force, 0) / coach.mass[0], _total(force, 1) / coach.mass[0], _total(force, 2) / coach.mass[0]
+    out.acceleration_mps2 = ax * frame[3] + ay * frame[4] + az * frame[5]
+    az += GRAVITY_MPS2
     for j in range(3):
-        total = 0.0
-        for k in range(CLASSES):
-            total += force[k, j]
-        accelerations[j] = total / coach.mass[0]
-    along = accelerations[0] * frame[3] + accelerations[1] * frame[4] + accelerations[2] * frame[5]
-    out.acceleration_mps2 = along
-    accelerations[2] += GRAVITY_MPS2
-    for j in range(3):
-        out.specific_force_mps2[j] = (
-            r[0, j] * accelerations[0] + r[1, j] * accelerations[1] + r[2, j] * accelerations[2]
-        )
+        out.specific_force_mps2[j] = r[0, j] * ax + r[1, j] * ay + r[2, j] * az
         out.angular_rate_radps[j] = v[3 + j]
-        moment = 0.0
-        for k in range(CLASSES):
-            moment += force[k, 3 + j]
-        out.angular_acceleration_radps2[j] = moment / coach.inertia[0, j]
+        out.angular_acceleration_radps2[j] = _total(force, 3 + j) / coach.inertia[0, j]
 
     energy = 0.0
     for j in range(3):

@@ -38,7 +38,7 @@ from wheel_rail.recovery import CONDITION, DEGRADED, ENERGY, RECOVERED, TAU, adh
 # (3 each; m, m/s, rad/s), spin (rad/s), radius over the nominal one (m) and its change as the wheel turns (m/rad), the
 # frame (14) of the track at the wheelset as the rail under this wheel has it; then room to work in.
 PLACE, AXLE, VELOCITY, CARRIER_RATE, SPIN, GROWTH, GROWTH_SLOPE, FRAME, _READ = 0, 3, 6, 9, 12, 13, 14, 15, 29
-_RADIUS_CHANGE, _SLOPE_CHANGE, _WIDTH = COLUMNS, COLUMNS + 1, COLUMNS + 2
+_CHANGE, _WIDTH = COLUMNS, COLUMNS + LANES  # behind the columns, what the first ones change by from node to node
 WHEEL = _READ + _WIDTH
 
 # What `wheel_contacts` reports of each wheel, rows of lanes: forces (N), slopes of the creep force over the sliding
@@ -85,26 +85,26 @@ def put_row(rows: Array, number: int, value: Lanes) -> None:
 
 @compiled
 def _read_table(displacement: Lanes, constants: Record, wheels: Array) -> None:
-    """The table's row at each wheel's displacement, and its change per metre in radius and slope, behind `_READ`.
+    """The table's row at each wheel's displacement, and how it changes to the next node, behind `_READ`.
 
     Beyond the table its ends hold.
     """
     node = (displacement - constants.first_m) * constants.nodes_per_m
-    out = wheels.reshape(-1)[LANES * _READ :]
+    table = constants.table
     for w in range(LANES):
         u = lane(node, w)
         u = min(u, NODES - 1.0) if u > 0.0 else 0.0
         k = min(int(u), NODES - 2)
         u -= k
-        table, low = constants.table, COLUMNS * (NODES * (w % 2) + k)
-        high, at = low + COLUMNS, LANES * _READ + _WIDTH * w
-        # all columns in two registers, which share some
-        for first in (0, COLUMNS - LANES):
-            begin = lanes_at(table, low + first)
-            put_lanes(wheels, at + first, begin + u * (lanes_at(table, high + first) - begin))
-        rows = table[w % 2, k], table[w % 2, k + 1]
-        out[_WIDTH * w + _RADIUS_CHANGE] = (rows[1][ROLLING_RADIUS] - rows[0][ROLLING_RADIUS]) * constants.nodes_per_m
-        out[_WIDTH * w + _SLOPE_CHANGE] = (rows[1][SLOPE] - rows[0][SLOPE]) * constants.nodes_per_m
+        row, at = COLUMNS * (NODES * (w % 2) + k), LANES * _READ + _WIDTH * w
+        low = lanes_at(table, row)
+        change = lanes_at(table, row + COLUMNS) - low
+        put_lanes(wheels, at, low + u * change)
+        put_lanes(wheels, at + _CHANGE, change)
+        # the last columns in a register that has some of the first ones too
+        low = lanes_at(table, row + COLUMNS - LANES)
+        change = lanes_at(table, row + 2 * COLUMNS - LANES) - low
+        put_lanes(wheels, at + COLUMNS - LANES, low + u * change)
 
 
 @inlined
@@ -254,9 +254,9 @@ def wheel_contacts(
     rising = greater(tangent, 0.0)
     put_row(report, LOAD_SHARE, (along_rail + rising * slide_c) / carried)
     put_row(report, LOAD_SHARE + 1, (across + rising * slide_l) / carried)
-    put_row(report, RADIUS_SLOPE, _column(wheels, _RADIUS_CHANGE))
+    put_row(report, RADIUS_SLOPE, constants.nodes_per_m * _column(wheels, _CHANGE + ROLLING_RADIUS))
     put_row(report, NORMAL_STIFFNESS, stiffness)
-    put_row(report, NORMAL_TURN, side * load * _column(wheels, _SLOPE_CHANGE))
+    put_row(report, NORMAL_TURN, side * load * (constants.nodes_per_m * _column(wheels, _CHANGE + SLOPE)))
     put_row(report, SLIDE_SPEED, slide)
 
 
