@@ -14,7 +14,7 @@ from wheel_rail.lanes import LANES
 
 MOST_BATCHES = 5
 SLOTS = 12
-KNOTS = 864
+KNOTS = 864  # six slots with a curve of 24 points over deflection and one over speed along each axis
 
 # what the elements of a slot are, rows of lanes: lower point in the lower body's axes, upper one in the upper body's,
 # stiffness, damping (3 each), preload
