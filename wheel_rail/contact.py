@@ -31,7 +31,16 @@ from wheel_rail.creep_laws import POLACH
 from wheel_rail.lane_arrays import lanes_at, of_wheels, put_lanes
 from wheel_rail.lane_functions import cube_root
 from wheel_rail.lanes import LANES, Lanes, greater, lane, lanes_of, where
-from wheel_rail.recovery import CONDITION, DEGRADED, ENERGY, RECOVERED, TAU, adhesive_force, polach_adhesion
+from wheel_rail.recovery import (
+    CONDITION,
+    DEGRADED,
+    ENERGY,
+    RECOVERED,
+    TAU,
+    adhesive_force,
+    curves_of_wheels,
+    polach_adhesion,
+)
 
 # What `wheel_contacts` is given of each wheel, rows of lanes: place of its wheelset's centre in the world, unit vector
 # of the axle to the left, velocity of the centre, angular velocity of the wheelset without its part along the axle
@@ -201,8 +210,9 @@ def wheel_contacts(
     spin = (ox * mx + oy * my + oz * mz) * per_speed
     if constants.law == POLACH:
         along_rail, across, tangent, secant = polach_adhesion(
-            creep_c, creep_l, spin, slide, forward, carried, patch, _curve(condition, DEGRADED),
-            _curve(condition, RECOVERED), of_wheels(condition, TAU, CONDITION), of_wheels(condition, ENERGY, CONDITION),
+            creep_c, creep_l, spin, slide, forward, carried, patch, curves_of_wheels(condition, DEGRADED),
+            curves_of_wheels(condition, RECOVERED), of_wheels(condition, TAU, CONDITION),
+            of_wheels(condition, ENERGY, CONDITION),
             constants.shear_modulus_pa,
         )  # fmt: skip
     else:
@@ -258,18 +268,6 @@ def wheel_contacts(
     put_row(report, NORMAL_STIFFNESS, stiffness)
     put_row(report, NORMAL_TURN, side * load * (constants.nodes_per_m * _column(wheels, _CHANGE + SLOPE)))
     put_row(report, SLIDE_SPEED, slide)
-
-
-@inlined
-def _curve(condition: Array, at: int) -> Vector:
-    """The wheels' friction curves that begin at column `at`."""
-    return (
-        of_wheels(condition, at, CONDITION),
-        of_wheels(condition, at + 1, CONDITION),
-        of_wheels(condition, at + 2, CONDITION),
-        of_wheels(condition, at + 3, CONDITION),
-        of_wheels(condition, at + 4, CONDITION),
-    )
 
 
 @compiled

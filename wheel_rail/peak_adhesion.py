@@ -15,7 +15,16 @@ from wheel_rail.creep_laws import POLACH
 from wheel_rail.lane_arrays import lanes_at, of_wheels, put_lanes
 from wheel_rail.lane_functions import cube_root
 from wheel_rail.lanes import LANES, Lanes, every, greater, where
-from wheel_rail.recovery import CONDITION, DEGRADED, ENERGY, RECOVERED, TAU, adhesive_force, polach_adhesion
+from wheel_rail.recovery import (
+    CONDITION,
+    DEGRADED,
+    ENERGY,
+    RECOVERED,
+    TAU,
+    adhesive_force,
+    curves_of_wheels,
+    polach_adhesion,
+)
 
 LARGEST_CREEP = 0.3
 _LOWEST_CREEP = 1e-4
@@ -60,8 +69,8 @@ def offered_to_wheels(
         borne = where(load > 0.0, load, reference_load_n)
         wheels = (
             speed, _cleaning_speed(speed, own_cleaning), borne, _grown(patch, borne, reference_load_n),
-            _curve(conditions, DEGRADED), _curve(conditions, RECOVERED), of_wheels(conditions, TAU, CONDITION),
-            of_wheels(conditions, ENERGY, CONDITION), shear_modulus_pa,
+            curves_of_wheels(conditions, DEGRADED), curves_of_wheels(conditions, RECOVERED),
+            of_wheels(conditions, TAU, CONDITION), of_wheels(conditions, ENERGY, CONDITION), shear_modulus_pa,
         )  # fmt: skip
         found, place = _search(_polach_wheels, wheels)
         put_lanes(peak, 0, where(load > 0.0, found, 0.0))
@@ -86,18 +95,6 @@ def _cleaning_speed(speed_mps: Lanes, own_cleaning: bool) -> Lanes:
 def _grown(patch: Vector, load_n: Lanes, reference_load_n: float) -> Vector:
     growth = cube_root(load_n / reference_load_n)
     return patch[0] * growth, patch[1] * growth, patch[2], patch[3], patch[4], patch[5]
-
-
-@inlined
-def _curve(conditions: Array, at: int) -> Vector:
-    """The wheels' friction curves that begin at column `at`."""
-    return (
-        of_wheels(conditions, at, CONDITION),
-        of_wheels(conditions, at + 1, CONDITION),
-        of_wheels(conditions, at + 2, CONDITION),
-        of_wheels(conditions, at + 3, CONDITION),
-        of_wheels(conditions, at + 4, CONDITION),
-    )
 
 
 @compiled

@@ -14,6 +14,7 @@ from numba.extending import overload
 
 from wheel_rail.compiled import Array, Vector, compiled, inlined
 from wheel_rail.creep_laws import POLACH, creep_force
+from wheel_rail.lane_arrays import of_wheels
 from wheel_rail.lanes import Lanes, LanesType, every, greater, lane, lanes_of, lesser, where
 from wheel_rail.polach import polach_on_curve, polach_slip
 
@@ -105,6 +106,18 @@ def share_degraded(
 def _curve(condition: Array, at: int) -> Vector:
     """The friction curve that begins at `condition[at]`: a tuple, since a view of the array costs as much as a law."""
     return condition[at], condition[at + 1], condition[at + 2], condition[at + 3], condition[at + 4]
+
+
+@inlined
+def curves_of_wheels(conditions: Array, at: int) -> Vector:
+    """The friction curves of eight wheels, lanes, that begin at column `at` of `conditions` (LANES, CONDITION)."""
+    return (
+        of_wheels(conditions, at, CONDITION),
+        of_wheels(conditions, at + 1, CONDITION),
+        of_wheels(conditions, at + 2, CONDITION),
+        of_wheels(conditions, at + 3, CONDITION),
+        of_wheels(conditions, at + 4, CONDITION),
+    )
 
 
 @compiled
