@@ -9,7 +9,6 @@ from itertools import groupby
 
 import numpy as np
 
-from vehicle.rotations import place_of
 from wheel_rail.lanes import LANES
 
 MOST_BATCHES = 5
@@ -48,9 +47,8 @@ def arrange_pairs(c: np.void) -> None:
     for batch in range(int(c["batches"])):
         lanes = seats[LANES * batch : LANES * (batch + 1)]
         for k, seat in enumerate(lanes):
-            c["pair_place"][batch, :, k] = (
-                9 * seat.upper, 9 * seat.lower, place_of.py_func(seat.upper), place_of.py_func(seat.lower)
-            )  # fmt: skip
+            bodies = np.array([seat.upper, seat.lower])
+            c["pair_place"][batch, :, k] = [*(9 * bodies), *c["body_place"][bodies]]
             for e in seat.turning:
                 c["pair_turning"][batch, :3, k] += c["rotational_stiffness"][e]
                 c["pair_turning"][batch, 3:, k] += c["rotational_damping"][e]

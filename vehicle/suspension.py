@@ -107,25 +107,15 @@ def _add_between(batch: int, q: Array, v: Array, coach: Record, f: Array) -> Non
         _three(rotation, places, turned_w, 6),
     )  # fmt: skip
     # the lower body in the upper one's axes: its axes, its centre, that one's speed, the rate of turn between them
-    m0 = (
-        ux[0] * wx[0] + uy[0] * wy[0] + uz[0] * wz[0],
-        ux[0] * wx[1] + uy[0] * wy[1] + uz[0] * wz[1],
-        ux[0] * wx[2] + uy[0] * wy[2] + uz[0] * wz[2],
-    )
-    m1 = (
-        ux[1] * wx[0] + uy[1] * wy[0] + uz[1] * wz[0],
-        ux[1] * wx[1] + uy[1] * wy[1] + uz[1] * wz[1],
-        ux[1] * wx[2] + uy[1] * wy[2] + uz[1] * wz[2],
-    )
-    m2 = (
-        ux[2] * wx[0] + uy[2] * wy[0] + uz[2] * wz[0],
-        ux[2] * wx[1] + uy[2] * wy[1] + uz[2] * wz[1],
-        ux[2] * wx[2] + uy[2] * wy[2] + uz[2] * wz[2],
-    )
-    centre = _in_axes(ux, uy, uz, _between(q, places, at_u, at_w, 0))
+    ahead, left, up = (
+        _in_axes(ux, uy, uz, (wx[0], wy[0], wz[0])), _in_axes(ux, uy, uz, (wx[1], wy[1], wz[1])),
+        _in_axes(ux, uy, uz, (wx[2], wy[2], wz[2])),
+    )  # fmt: skip
+    m0, m1, m2 = (ahead[0], left[0], up[0]), (ahead[1], left[1], up[1]), (ahead[2], left[2], up[2])
+    centre = _in_axes(ux, uy, uz, _between(q, places, at_u, at_w))
     upper_turns = _three(v, places, at_u, 3)
     swept = _cross(upper_turns, centre)
-    speed = _in_axes(ux, uy, uz, _between(v, places, at_u, at_w, 0))
+    speed = _in_axes(ux, uy, uz, _between(v, places, at_u, at_w))
     speed = speed[0] - swept[0], speed[1] - swept[1], speed[2] - swept[2]
     lower_turns = _three(v, places, at_w, 3)
     turns = (
@@ -156,12 +146,9 @@ def _add_between(batch: int, q: Array, v: Array, coach: Record, f: Array) -> Non
         fz = _along(2, bz - rest[2], speed[2] + turns[0] * ay - turns[1] * ax, slot, coach)
         fz = fz + lanes_at(coach.slot, LANES * (row + PRELOAD))
         force_x, force_y, force_z = force_x + fx, force_y + fy, force_z + fz
-        upper_x = upper_x + (by * fz - bz * fy)
-        upper_y = upper_y + (bz * fx - bx * fz)
-        upper_z = upper_z + (bx * fy - by * fx)
-        lower_x = lower_x + (ay * fz - az * fy)
-        lower_y = lower_y + (az * fx - ax * fz)
-        lower_z = lower_z + (ax * fy - ay * fx)
+        about_upper, about_lower = _cross((bx, by, bz), (fx, fy, fz)), _cross((ax, ay, az), (fx, fy, fz))
+        upper_x, upper_y, upper_z = upper_x + about_upper[0], upper_y + about_upper[1], upper_z + about_upper[2]
+        lower_x, lower_y, lower_z = lower_x + about_lower[0], lower_y + about_lower[1], lower_z + about_lower[2]
     force = force_x, force_y, force_z
     x, y, z = _dot(ux, force), _dot(uy, force), _dot(uz, force)
     add_at_places(f, places, at_u, 0, x)
@@ -173,15 +160,16 @@ def _add_between(batch: int, q: Array, v: Array, coach: Record, f: Array) -> Non
     add_at_places(f, places, at_w, 0, -x)
     add_at_places(f, places, at_w, 1, -y)
     add_at_places(f, places, at_w, 2, -z)
-    add_at_places(f, places, at_w, 3, -(m0[0] * lower_x + m1[0] * lower_y + m2[0] * lower_z))
-    add_at_places(f, places, at_w, 4, -(m0[1] * lower_x + m1[1] * lower_y + m2[1] * lower_z))
-    add_at_places(f, places, at_w, 5, -(m0[2] * lower_x + m1[2] * lower_y + m2[2] * lower_z))
+    lower = lower_x, lower_y, lower_z
+    add_at_places(f, places, at_w, 3, -_dot(ahead, lower))
+    add_at_places(f, places, at_w, 4, -_dot(left, lower))
+    add_at_places(f, places, at_w, 5, -_dot(up, lower))
 
 
 @inlined
-def _between(array: Array, places: Array, at_u: int, at_w: int, shift: int) -> Three:
-    """Three floats of the lower body less those of the upper one."""
-    u, w = _three(array, places, at_u, shift), _three(array, places, at_w, shift)
+def _between(array: Array, places: Array, at_u: int, at_w: int) -> Three:
+    """The first three coordinates of the lower bodies less those of the upper ones."""
+    u, w = _three(array, places, at_u, 0), _three(array, places, at_w, 0)
     return w[0] - u[0], w[1] - u[1], w[2] - u[2]
 
 
