@@ -28,8 +28,9 @@ from vehicle.implicit import room_for_response
 from vehicle.interface import Actuation, CoachState, OnStep, Plant
 from vehicle.jacobian import coach_jacobian
 from vehicle.parameters import CoachParameters
+from vehicle.pre_step import pre_step
 from vehicle.start import start_state
-from vehicle.stepping import FRESH, LOST, REFUSED, begin_step
+from vehicle.stepping import LOST, REFUSED
 from wheel_rail import Contact, Track
 from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import address_of
@@ -106,10 +107,7 @@ class Coach:
         finally:
             if collecting:
                 gc.enable()
-            # they know the system and it knows them, where no collector looks: all of the run would stay for ever
-            mbs.SetPreStepUserFunction(0)
-            if newton:
-                mbs.SetPreNewtonResidualUserFunction(0)
+            run.let_go()
         run.raise_what_happened(bool(reached))
         return SolveReport(
             simulated_s=run.steps * step_s,
@@ -145,6 +143,7 @@ class _Run:
         newton: bool,
         plant: Plant | None,
     ) -> None:
+        self._mbs = mbs
         self._raised: BaseException | None = None
         self._lost: str | None = None
         self._step_s = step_s
@@ -153,21 +152,9 @@ class _Run:
         force = np.zeros(coordinates)
         self._response = room_for_response(coordinates)  # kept alive, like the actuation
 
-        begun = 0
-
-        def pre_step(_mbs: Any, _end_s: float) -> bool:
-            nonlocal begun
-            # Exudyn names the end of the step, summed up: the start by counting is free of its rounding
-            if begun % every == 0 and not goes_on(begun * step_s):
-                return False
-            begun += 1
-            condition = begin_step(address, step_s)
-            set_parameter(system, "forceVector", force)
-            return condition == FRESH or copes((begun - 1) * step_s, condition)
-
-        def goes_on(t_s: float) -> bool:
+        def takes_its_turn() -> bool:
             try:
-                answer = on_step(t_s, state)
+                answer = on_step(float(coach["begin_s"]), state)
             except BaseException as error:  # nothing may pass through the solver's own code
                 self._raised = error
                 return False
@@ -179,7 +166,8 @@ class _Run:
                 coach["sanders_at"], coach["sander_count"] = address_of(answer.sanders), len(answer.sanders)
             return True
 
-        def copes(t_s: float, condition: int) -> bool:
+        def copes() -> bool:
+            condition, t_s = int(coach["began"]), float(coach["begin_s"])
             if condition == REFUSED and plant is not None:
                 try:
                     plant.refused(t_s, int(coach["plant_said"]))
@@ -195,6 +183,7 @@ class _Run:
             return True
 
         set_parameter = mbs.SetObjectParameter
+        hand_over = system, "forceVector", force
         mbs.Assemble()
         q = mbs.systemData.GetODE2Coordinates(copy=False)
         v = mbs.systemData.GetODE2Coordinates_t(copy=False)
@@ -203,12 +192,16 @@ class _Run:
         coach["solver_at"] = [address_of(array) for array in (q, v, a, force)]
         coach["response_at"], coach["iterates"] = address_of(self._response), newton
         coach["track_at"], coach["track_nodes"] = address_of(track), len(track)
-        address = address_of(record)
+        coach["step_s"], coach["steps_per_turn"] = step_s, every
+        nothing: tuple[()] = ()
+        self._called: tuple[Any, ...] = takes_its_turn, set_parameter, hand_over, copes, nothing  # kept alive
+        coach["turn_at"], coach["copes_at"] = (id(takes_its_turn), id(nothing)), (id(copes), id(nothing))
+        coach["hand_over_at"] = id(set_parameter), id(hand_over)
         state = CoachState(q, v, record)
         self._state = state
         coach_force(q, v, force, record, track, rail)
-        set_parameter(system, "forceVector", force)
-        mbs.SetPreStepUserFunction(pre_step)
+        set_parameter(*hand_over)
+        mbs.SetPreStepUserFunction(pre_step(address_of(record)))
 
         if not newton:
             return
@@ -228,11 +221,17 @@ class _Run:
 
         def pre_residual(_mbs: Any, _t: float, _iteration: int, _discontinuous: int) -> bool:
             coach_force(q, v, force, record, track, rail)
-            set_parameter(system, "forceVector", force)
+            set_parameter(*hand_over)
             return True
 
         set_parameter(system, "jacobianUserFunction", newton_jacobian)
         mbs.SetPreNewtonResidualUserFunction(pre_residual)
+
+    def let_go(self) -> None:
+        """The callbacks know the system and it knows them, where no collector looks: all would stay for ever."""
+        self._mbs.SetPreStepUserFunction(0)
+        self._mbs.SetPreNewtonResidualUserFunction(0)
+        self._called = ()
 
     @property
     def steps(self) -> int:

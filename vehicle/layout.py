@@ -102,6 +102,16 @@ COACH = np.dtype(
         ("offset_cell_m", "f8"),
         ("rail", RAIL),
         ("actuation_at", "i8"),
+        ("step_s", "f8"),
+        # Python objects and the tuples they are called with: at every so many steps, with the forces of each step, and
+        # when a step does not begin as usual
+        ("steps_per_turn", "i8"),
+        ("turn_at", "i8", (2,)),
+        ("hand_over_at", "i8", (2,)),
+        ("copes_at", "i8", (2,)),
+        # the step under way: when it began, and how
+        ("begin_s", "f8"),
+        ("began", "i8"),
         # compiled work at every so many steps (0: none): its function, its argument; what it has answered
         ("plant_every", "i8"),
         ("plant_at", "i8", (2,)),

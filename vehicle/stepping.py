@@ -29,7 +29,7 @@ FRESH, AGED, LOST, REFUSED = range(4)
 
 
 @compiled
-def begin_step(address: int, step_s: float) -> int:
+def begin_step(address: int) -> int:
     """Commit the step that has ended in the solver's state, let the plant work if it is its turn, and put the forces of
     the next step into the solver's force vector; `address` of the coach's record.
 
@@ -37,7 +37,7 @@ def begin_step(address: int, step_s: float) -> int:
     finite or the step has no solution, REFUSED when the plant does not go on.
     """
     coach = coach_at(address)
-    shape = (coach.coordinates,)
+    step_s, shape = coach.step_s, (coach.coordinates,)
     q, v = array_at(coach.solver_at[0], shape), array_at(coach.solver_at[1], shape)
     a, f = array_at(coach.solver_at[2], shape), array_at(coach.solver_at[3], shape)
     track = array_at(coach.track_at, (coach.track_nodes, 10))
@@ -46,7 +46,7 @@ def begin_step(address: int, step_s: float) -> int:
         if not math.isfinite(v[j]):
             return LOST
     if coach.plant_every > 0 and coach.steps % coach.plant_every == 0:
-        coach.plant_said = call_at(coach.plant_at[0], coach.plant_at[1], coach.steps * step_s)  # type: ignore[call-arg]
+        coach.plant_said = call_at(coach.plant_at[0], coach.plant_at[1], coach.begin_s)  # type: ignore[call-arg]
         if coach.plant_said != 0:
             return REFUSED
     actuation = array_at(coach.actuation_at, (ACTUATION,))

@@ -1,6 +1,8 @@
 """The linearised step: its forces solve the implicit equations, and its response turns with the track."""
 
 import ctypes
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -77,7 +79,7 @@ def test_the_solver_takes_from_the_predictor_what_it_is_handed(
 ) -> None:
     """The state at the end of every step is the predictor worked out ahead, moved by the accelerations handed over."""
     records: list[np.ndarray] = []
-    begin_step, start = coach_module.begin_step, coach_module.start_state
+    begin, start = coach_module.pre_step, coach_module.start_state
     worst = [0.0, 0.0]
     steps = 0
 
@@ -86,10 +88,10 @@ def test_the_solver_takes_from_the_predictor_what_it_is_handed(
         records.append(state[0])
         return state
 
-    def spy_step(address: int, step_s: float) -> int:
+    def look() -> None:
         nonlocal steps
         coach = records[0][0]
-        n = int(coach["coordinates"])
+        n, step_s = int(coach["coordinates"]), float(coach["step_s"])
         if coach["steps"] > 0:
             q, v, _, f = (
                 np.ctypeslib.as_array((ctypes.c_double * n).from_address(int(at))) for at in coach["solver_at"]
@@ -98,11 +100,18 @@ def test_the_solver_takes_from_the_predictor_what_it_is_handed(
             worst[0] = max(worst[0], np.abs(coach["ahead_q"][:n] + BETA * step_s**2 * d - q).max())
             worst[1] = max(worst[1], np.abs(coach["ahead_v"][:n] + GAMMA * step_s * d - v).max())
             steps += 1
-        condition: int = begin_step(address, step_s)
-        return condition
+
+    def spy(address: int) -> Callable[[Any, float], bool]:
+        pre_step = begin(address)
+
+        def looking_step(system: Any, end_s: float) -> bool:
+            look()
+            return pre_step(system, end_s)
+
+        return looking_step
 
     monkeypatch.setattr(coach_module, "start_state", spy_start)
-    monkeypatch.setattr(coach_module, "begin_step", spy_step)
+    monkeypatch.setattr(coach_module, "pre_step", spy)
     bench = make_bench(0.08, "low", given=coach_of(axle_boxes=axle_boxes), curves=[CANTED])
     bench.run(duration_s=5.0, speed_mps=20.0, brake=lambda t: 6300.0 * (int(2 * t) % 2))
     print(f"{steps} steps, off by {worst[0]:.1e} m or rad, {worst[1]:.1e} m/s or rad/s")
