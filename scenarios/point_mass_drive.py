@@ -14,7 +14,7 @@ from scenarios.point_mass import Line as PointMassLine
 from scenarios.schema import Scenario
 from scenarios.units import KMH_PER_MPS
 from vehicle import GRAVITY_MPS2
-from wheel_rail.adhesion_condition import rail_conditions
+from wheel_rail.adhesion_condition import NO_KIND, rail_conditions
 from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Record, Vector, compiled
 from wheel_rail.lanes import LANES
@@ -99,7 +99,7 @@ def _advance(
 ) -> None:  # fmt: skip
     """The steps between two ticks of the driver; fills `rows` (n, 2) with position and speed at their ends."""
     mass, effective, radius, largest, driven_share, load_n, shear, power = constants
-    condition = np.empty((LANES, CONDITION))
+    condition, kinds = np.empty((CONDITION, LANES)), np.full(LANES, NO_KIND)
     load, wheel_speed, peak, at_creep = np.full((4, LANES), load_n)
     rate = np.empty(4)
     weight = mass * GRAVITY_MPS2
@@ -110,7 +110,7 @@ def _advance(
         braking = (np.sum(brake[0].torque_nm) + np.sum(brake[0].dynamic_torque_nm)) / radius
         driving = min(state[TRACTION], power / max(v, 1.0))
         for i in range(4):
-            rail_conditions(s + offsets_m[i], v, rail, condition[2 * i : 2 * i + 2])
+            rail_conditions(i, s + offsets_m[i], v, rail, condition, kinds)
         wheel_speed[:] = v
         offered_to_wheels(
             law[0], law[1], extra, wheel_speed, load, patch, load_n, condition, shear, False, peak, at_creep

@@ -7,7 +7,7 @@ from scenarios.metrics import stop_span
 from scenarios.schema import Scenario
 from scenarios.truth import Truth
 from vehicle import GRAVITY_MPS2
-from wheel_rail.adhesion_condition import rail_conditions
+from wheel_rail.adhesion_condition import NO_KIND, rail_conditions
 from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Record, Vector, compiled
 from wheel_rail.lanes import LANES
@@ -80,7 +80,7 @@ def _point_mass_stop(
 
     The demands come from the begin of the run; while it had the speeds `before_mps` the brake alone goes along.
     """
-    condition = np.empty((LANES, CONDITION))
+    condition, kinds = np.empty((CONDITION, LANES)), np.full(LANES, NO_KIND)
     load, wheel_speed, peak, at_creep = np.full((4, LANES), load_n)
     rate_radps = np.empty(4)
     start = position_m
@@ -94,7 +94,7 @@ def _point_mass_stop(
         advance_brake(brake[0], demand[k], no_wsp, rate_radps, speed_mps)
         force_n = (np.sum(brake[0].torque_nm) + np.sum(brake[0].dynamic_torque_nm)) / radius_m
         for i in range(4):
-            rail_conditions(position_m + offsets_m[i], speed_mps, rail, condition[2 * i : 2 * i + 2])
+            rail_conditions(i, position_m + offsets_m[i], speed_mps, rail, condition, kinds)
         wheel_speed[:] = speed_mps
         offered_to_wheels(
             law[0], law[1], extra, wheel_speed, load, patch, load_n, condition, shear_modulus_pa, False, peak, at_creep

@@ -8,7 +8,7 @@ import numpy as np
 from vehicle.coach import Coach
 from vehicle.forces import CONTACT_NORMAL, CREEP
 from vehicle.interface import Actuation, CoachState
-from vehicle.layout import SPIN
+from vehicle.layout import BODY_FRAME, SPIN
 from vehicle.linear import clean_rail, polach_contact, without_resistance
 from vehicle.observation import OBSERVATION
 from vehicle.parameters import GRAVITY_MPS2, CoachParameters
@@ -138,10 +138,10 @@ def _instant(row: np.void, coach: np.void) -> dict[str, np.ndarray]:
         + report[..., LONGITUDINAL, None] * along
         + report[..., LATERAL, None] * across
     )
-    axes = coach["frame"][:4, 3:12].reshape(4, 3, 3)  # tangent, left, up at each wheelset
+    axes = coach["frame"][3:12, :4].T.reshape(4, 3, 3)  # tangent, left, up at each wheelset
     forwards, left, up = np.einsum("ijk,isk->jis", axes, force)
     on_wheelset = (coach["force"][CONTACT_NORMAL] + coach["force"][CREEP])[_FIRST_WHEELSET:SPIN].reshape(4, 6)[:, :3]
-    body, track = coach["rotation"][0], coach["frame"][4, 3:12].reshape(3, 3)
+    body, track = coach["rotation"][0], coach["frame"][3:12, BODY_FRAME].reshape(3, 3)
     return {
         "speed": np.array([row["speed_mps"]]),
         "wheel_load": up.ravel(),

@@ -7,11 +7,11 @@ M q'' = f; each class times the velocities is its power, so that energy is audit
 
 import math
 
-from vehicle.layout import CLASSES, MOST_COORDINATES
+from vehicle.layout import BODY_FRAME, CLASSES, FRAMES, MOST_ROWS
 from vehicle.parameters import GRAVITY_MPS2
 from vehicle.rotations import body_frames, place_of
 from vehicle.suspension import add_suspension
-from wheel_rail.adhesion_condition import rail_conditions
+from wheel_rail.adhesion_condition import NO_KIND, rail_conditions
 from wheel_rail.adhesion_memory import recall_friction
 from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Record, array_at, compiled, inlined
@@ -27,39 +27,62 @@ from wheel_rail.contact import (
     put_row,
     wheel_contacts,
 )
-from wheel_rail.irregularities import Three, displaced_frame, rail_offsets
-from wheel_rail.lane_arrays import lanes_at, of_wheels, of_wheelsets, put_wheelsets
-from wheel_rail.lanes import LANES
-from wheel_rail.track import track_frame
+from wheel_rail.irregularities import ASIDE, OFFSETS, SLOPES, UP, Three, displaced_frame, rail_offsets
+from wheel_rail.lane_arrays import lanes_at, of_pairs, of_places, of_wheelsets, put_lanes, put_wheelsets
+from wheel_rail.lanes import LANES, ZEROS, Lanes, doubled, every, lanes_of
+from wheel_rail.track_frame import FRAME_ROWS, track_frames
 
 GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, TRACK_BRAKE, GYROSCOPIC = range(CLASSES)
 
+_MOST_LOOKS, _NEAR_M = 20, 1e-3
 _WHEELSETS = 27  # where the rotations of the wheelsets begin among those of the bodies
 _STANDING_MPS = 0.05  # below this speed the force of a track brake fades, so that it holds and does not push
 
 
 @compiled
 def locate(q: Array, coach: Record, track: Array) -> None:
-    """Bring each wheelset's and the carbody's place along the track up to date, and the track frames there."""
-    for i in range(5):
-        at = 18 + 6 * i if i < 4 else 0
-        frame = coach.frame[i]
-        for _ in range(20):
-            track_frame(coach.s[i], coach.track_origin_m, track, frame)
-            coach.frame_s[i] = coach.s[i]
-            ahead = way_ahead(q, at, frame)
-            coach.s[i] += ahead
-            # within a millimetre the frame is as good as the one at the new place
-            if abs(ahead) < 1e-3:
-                break
+    """Bring the places of wheelsets and carbody along the track up to date, and the track frames there."""
+    s, frames = coach.s, coach.frame
+    # within a millimetre a frame is as good as the one at the new place
+    for _ in range(_MOST_LOOKS):
+        track_frames(s, FRAMES, coach.track_origin_m, track, frames)
+        here = lanes_at(s, 0)
+        put_lanes(coach.frame_s, 0, here)
+        ahead, _ = from_frames(q, coach)
+        put_lanes(s, 0, here + ahead)
+        if every(abs(ahead) < _NEAR_M):
+            break
 
 
 @inlined
-def way_ahead(q: Array, at: int, frame: Array) -> float:
-    """How far along the track from the frame's origin the body stands whose place is q[at : at + 3]."""
-    dx, dy, dz = q[at] - frame[0], q[at + 1] - frame[1], q[at + 2] - frame[2]
-    left = dx * frame[6] + dy * frame[7] + dz * frame[8]
-    return (dx * frame[3] + dy * frame[4] + dz * frame[5]) / (1.0 - frame[13] * left)
+def from_frames(q: Array, coach: Record) -> tuple[Lanes, Lanes]:
+    """How far along the track from the origins of their frames wheelsets and carbody stand, and how far to the left."""
+    frames, places = coach.frame, coach.frame_place
+    (x, y, z), (tx, ty, tz), (nx, ny, nz) = _three(frames, 0), _three(frames, 3), _three(frames, 6)
+    dx, dy, dz = of_places(q, places, 0, 0) - x, of_places(q, places, 0, 1) - y, of_places(q, places, 0, 2) - z
+    aside = dx * nx + dy * ny + dz * nz
+    # decimetres over a radius of curvature: 1/(1 - x) is 1 + x + x^2 to a millionth of a way that is millimetres
+    inward = lanes_at(frames, 13 * LANES) * aside
+    return (dx * tx + dy * ty + dz * tz) * (1.0 + inward * (1.0 + inward)), aside
+
+
+@inlined
+def speeds_along(v: Array, coach: Record) -> Lanes:
+    """Speeds of wheelsets and carbody along the track."""
+    places, (tx, ty, tz) = coach.frame_place, _three(coach.frame, 3)
+    return of_places(v, places, 0, 0) * tx + of_places(v, places, 0, 1) * ty + of_places(v, places, 0, 2) * tz
+
+
+@inlined
+def _three(rows: Array, number: int) -> Three:
+    at = number * LANES
+    return lanes_at(rows, at), lanes_at(rows, at + LANES), lanes_at(rows, at + 2 * LANES)
+
+
+@inlined
+def _three_doubled(rows: Array, number: int) -> Three:
+    x, y, z = _three(rows, number)
+    return doubled(x), doubled(y), doubled(z)
 
 
 @compiled
@@ -73,14 +96,12 @@ def wheels_on_rails(q: Array, v: Array, coach: Record) -> None:
         x, z = of_wheelsets(rotation, _WHEELSETS + 3 * j, 9), of_wheelsets(rotation, _WHEELSETS + 3 * j + 2, 9)
         put_row(wheels, CARRIER_RATE + j, x * of_wheelsets(v, 21, 6) + z * of_wheelsets(v, 23, 6))
     put_row(wheels, SPIN, of_wheelsets(v, 42, 1))
-    put_row(wheels, GROWTH, of_wheels(coach.growth, 0, 2))
-    put_row(wheels, GROWTH_SLOPE, of_wheels(coach.growth, 1, 2))
     normal, creep = coach.wheel_normal, coach.wheel_creep
     wheel_contacts(wheels, coach.contact, coach.condition, normal, creep, coach.report)
     force = coach.force
     for number in range(2):
         rows = normal if number == 0 else creep
-        at = (CONTACT_NORMAL if number == 0 else CREEP) * MOST_COORDINATES
+        at = (CONTACT_NORMAL if number == 0 else CREEP) * MOST_ROWS
         a, b, c = lanes_at(rows, 3 * LANES), lanes_at(rows, 4 * LANES), lanes_at(rows, 5 * LANES)
         for j in range(3):
             put_wheelsets(force, at + 18 + j, 6, lanes_at(rows, j * LANES))
@@ -94,25 +115,22 @@ def wheels_on_rails(q: Array, v: Array, coach: Record) -> None:
 @compiled
 def _displace_rails(q: Array, coach: Record) -> None:
     """The track frame as the rail under each wheel has it, on rough rails."""
-    offsets, rows = coach.offsets, coach.offset_rows
-    table = array_at(coach.offsets_at, (coach.offset_nodes, 8))
+    offsets = coach.offsets
+    table = array_at(coach.offsets_at, (coach.offset_nodes, OFFSETS))
     for i in range(4):
-        rail_offsets(coach.s[i], coach.offset_first_m, coach.offset_cell_m, table, offsets)
-        for side in range(2):
-            for k in range(2):
-                rows[k, 2 * i + side] = offsets[2 * side + k]
-                rows[2 + k, 2 * i + side] = offsets[4 + 2 * side + k]
+        rail_offsets(coach.s[i], coach.offset_first_m, coach.offset_cell_m, table, offsets[i])
     track, wheels = coach.frame, coach.wheels
-    x0, y0, z0 = of_wheelsets(track, 0, 14), of_wheelsets(track, 1, 14), of_wheelsets(track, 2, 14)
+    x0, y0, z0 = _three_doubled(track, 0)
     (x, y, z), (ahead, left, up, twist, curvature) = displaced_frame(
         (of_wheelsets(q, 18, 6) - x0, of_wheelsets(q, 19, 6) - y0, of_wheelsets(q, 20, 6) - z0),
         (
-            (of_wheelsets(track, 3, 14), of_wheelsets(track, 4, 14), of_wheelsets(track, 5, 14)),
-            (of_wheelsets(track, 6, 14), of_wheelsets(track, 7, 14), of_wheelsets(track, 8, 14)),
-            (of_wheelsets(track, 9, 14), of_wheelsets(track, 10, 14), of_wheelsets(track, 11, 14)),
-            of_wheelsets(track, 12, 14), of_wheelsets(track, 13, 14),
+            _three_doubled(track, 3), _three_doubled(track, 6), _three_doubled(track, 9),
+            doubled(lanes_at(track, 12 * LANES)), doubled(lanes_at(track, 13 * LANES)),
         ),
-        (lanes_at(rows, 0), lanes_at(rows, LANES), lanes_at(rows, 2 * LANES), lanes_at(rows, 3 * LANES)),
+        (
+            of_pairs(offsets, ASIDE, OFFSETS), of_pairs(offsets, UP, OFFSETS),
+            of_pairs(offsets, SLOPES + ASIDE, OFFSETS), of_pairs(offsets, SLOPES + UP, OFFSETS),
+        ),
     )  # fmt: skip
     _put_three(wheels, FRAME, (x0 + x, y0 + y, z0 + z))
     _put_three(wheels, FRAME + 3, ahead)
@@ -146,7 +164,7 @@ def _brake_torque(i: int, angle: float, spin_radps: float, coach: Record) -> tup
 @compiled
 def _add_track_brake(b: int, v: Array, coach: Record, force: Array) -> None:
     """Friction of the magnets of bogie body b (1, 2) on the rails: along the track, at the rails' height."""
-    front, rear = coach.frame[2 * b - 2], coach.frame[2 * b - 1]
+    front, rear = coach.frame[:, 2 * b - 2], coach.frame[:, 2 * b - 1]
     at = 6 * b
     speed = 0.0
     for j in range(3):
@@ -166,14 +184,13 @@ def _grow_wheels(q: Array, coach: Record) -> None:
     """How far out of round each wheel is where it touches the rail."""
     for i in range(4):
         for side in range(2):
-            growth = coach.growth[i, side]
-            growth[0] = coach.oversize[i, side]
-            growth[1] = 0.0
+            growth, slope = coach.oversize[i, side], 0.0
             for k in range(coach.harmonics[i, side]):
                 harmonic = coach.harmonic[i, side, k]
                 angle = harmonic[0] * q[42 + i] + harmonic[2]
-                growth[0] += harmonic[1] * math.cos(angle)
-                growth[1] -= harmonic[1] * harmonic[0] * math.sin(angle)
+                growth += harmonic[1] * math.cos(angle)
+                slope -= harmonic[1] * harmonic[0] * math.sin(angle)
+            coach.wheels[GROWTH, 2 * i + side], coach.wheels[GROWTH_SLOPE, 2 * i + side] = growth, slope
 
 
 @compiled
@@ -183,17 +200,20 @@ def find_rails(q: Array, v: Array, coach: Record, track: Array, rail: RailTables
     if coach.offset_nodes > 0:
         _displace_rails(q, coach)
     else:
-        for k in range(14):
-            put_row(coach.wheels, FRAME + k, of_wheelsets(coach.frame, k, 14))
+        for k in range(FRAME_ROWS):
+            put_row(coach.wheels, FRAME + k, doubled(lanes_at(coach.frame, LANES * k)))
+    put_lanes(coach.along, 0, speeds_along(v, coach))
+    meet_rails(coach, rail)
+    if rail.memory_distance_m > 0.0:
+        recall_friction(coach.condition, coach.memory)
+        coach.condition_kind[:] = NO_KIND
+
+
+@inlined
+def meet_rails(coach: Record, rail: RailTables) -> None:
+    """The rails' condition under each wheel."""
     for i in range(4):
-        at = 18 + 6 * i
-        frame = coach.frame[i]
-        along = v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5]
-        coach.along[i] = along
-        rail_conditions(coach.s[i], along, rail, coach.condition[i])
-        if rail.memory_distance_m > 0.0:
-            for side in range(2):
-                recall_friction(coach.condition[i, side], coach.memory[side, i])
+        rail_conditions(i, coach.s[i], coach.along[i], rail, coach.condition, coach.condition_kind)
 
 
 @compiled
@@ -209,9 +229,10 @@ def forces_on_rails(q: Array, v: Array, coach: Record) -> None:
     body_frames(q, coach)
     force = coach.force
     # the others write to the same places every time
+    none = lanes_of(ZEROS)
     for k in (SUSPENSION, BRAKE, DRIVE, TRACK_BRAKE):
-        for j in range(coach.coordinates):
-            force[k, j] = 0.0
+        for at in range(0, coach.coordinates, LANES):
+            put_lanes(force, k * MOST_ROWS + at, none)
     if coach.uneven:
         _grow_wheels(q, coach)
     for i in range(coach.bodies):
@@ -224,7 +245,7 @@ def forces_on_rails(q: Array, v: Array, coach: Record) -> None:
         force[GYROSCOPIC, at + 5] = (inertia[0] - inertia[1]) * x * y
     add_suspension(q, v, coach, force[SUSPENSION])
     # running resistance at the carbody's centre, against its motion along the track
-    frame = coach.frame[4]
+    frame = coach.frame[:, BODY_FRAME]
     speed = v[0] * frame[3] + v[1] * frame[4] + v[2] * frame[5]
     size = abs(speed)
     drag = coach.resistance[0] * math.tanh(size / 0.1) + size * (coach.resistance[1] + size * coach.resistance[2])

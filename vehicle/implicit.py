@@ -11,6 +11,7 @@ import numpy as np
 
 from vehicle.inverse import invert
 from vehicle.jacobian import fill_jacobian
+from vehicle.layout import BODY_FRAME
 from vehicle.rotations import place_of
 from wheel_rail.compiled import Array, Record, aligned, array_at, compiled, inlined
 from wheel_rail.lane_arrays import lanes_at, put_lanes
@@ -46,17 +47,10 @@ def new_response(step_s: float, coach: Record) -> bool:
     jacobian = np.empty((n, n))
     factor_q, factor_v = BETA * step_s * step_s, GAMMA * step_s
     fill_jacobian(coach.ahead_q, coach.ahead_v, factor_q, factor_v, coach, jacobian)
-    inertia = coach.probe_force[0]
-    for i in range(coach.bodies):
-        at = place_of(i)
-        for j in range(3):
-            inertia[at + j], inertia[at + 3 + j] = _C * coach.mass[i], _C * coach.inertia[i, j]
-    for i in range(4):
-        inertia[42 + i] = _C * coach.spin_inertia
     # column by column, as the inverse is wanted
     columns = array_at(coach.response_at, (n * rows,))
     for j in range(n):
-        jacobian[j, j] += inertia[j]
+        jacobian[j, j] += _C * coach.masses[j]
         for i in range(n):
             columns[j * rows + i] = jacobian[i, j]
         for i in range(n, rows):
@@ -65,8 +59,8 @@ def new_response(step_s: float, coach: Record) -> bool:
         return False
     for j in range(n):
         for i in range(n):
-            columns[j * rows + i] *= inertia[i]
-    coach.old_axes[:] = coach.frame[4, 3:12]
+            columns[j * rows + i] *= _C * coach.masses[i]
+    coach.old_axes[:] = coach.frame[3:12, BODY_FRAME]
     for i in range(4):
         coach.old_yaw[i] = _yaw(i, coach)
     return True
@@ -81,7 +75,7 @@ def respond(f: Array, coach: Record) -> None:
     asked, answer = coach.probe_force[0], coach.probe_force[1]
     for j in range(n):
         asked[j] = f[j]
-    now, old = coach.frame[4, 3:12], coach.old_axes
+    now, old = coach.frame[3:12, BODY_FRAME], coach.old_axes
     _turn(asked, now, old, coach)
     for first in range(0, rows, _AT_ONCE):
         r0 = lanes_at(columns, first) * asked[0]
@@ -147,5 +141,5 @@ def yaw_has_changed(coach: Record) -> bool:
 @compiled
 def _yaw(i: int, coach: Record) -> float:
     """Sine of the angle from the track at the carbody to the rolling direction of wheelset i."""
-    frame, rotation = coach.frame[4], coach.rotation[3 + i]
+    frame, rotation = coach.frame[:, BODY_FRAME], coach.rotation[3 + i]
     return frame[6] * rotation[0, 0] + frame[7] * rotation[1, 0] + frame[8] * rotation[2, 0]

@@ -8,6 +8,7 @@ of the creep force.
 
 import math
 
+from vehicle.layout import BODY_FRAME
 from vehicle.suspension_jacobian import add_suspension_jacobian
 from wheel_rail.compiled import Array, Record, compiled
 from wheel_rail.contact import (
@@ -48,7 +49,7 @@ def fill_jacobian(q: Array, v: Array, factor_q: float, factor_v: float, coach: R
                 _add_contact(i, report, v[42 + i], factor_q, factor_v, coach, jacobian)
         _add_flange(i, q, factor_q, coach, jacobian)
         _add_spin(i, v, factor_q, factor_v, coach, jacobian)
-    frame = coach.frame[4]
+    frame = coach.frame[:, BODY_FRAME]
     speed = abs(v[0] * frame[3] + v[1] * frame[4] + v[2] * frame[5])
     fall = 1.0 - math.tanh(speed / 0.1) ** 2
     slope = factor_v * (coach.resistance[0] * fall / 0.1 + coach.resistance[1] + 2.0 * speed * coach.resistance[2])

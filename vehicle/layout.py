@@ -16,12 +16,15 @@ from vehicle.parameters import CoachParameters
 from vehicle.rotations import BODY_LANES
 from vehicle.wheels import MOST_HARMONICS
 from wheel_rail import CONTACT, Contact
+from wheel_rail.adhesion_condition import NO_KIND
 from wheel_rail.adhesion_memory import MEMORY
 from wheel_rail.adhesion_state import RAIL
 from wheel_rail.compiled import aligned, record_reader
-from wheel_rail.contact import REPORT, WHEEL
+from wheel_rail.contact import GROWTH, REPORT, WHEEL
+from wheel_rail.irregularities import OFFSETS
 from wheel_rail.lanes import LANES
 from wheel_rail.recovery import CONDITION
+from wheel_rail.track_frame import FRAME_ROWS
 
 BODIES = 7  # without axle boxes
 COORDINATES = 46
@@ -30,6 +33,7 @@ MOST_BODIES = 15
 MOST_COORDINATES = 94
 MOST_ROWS = 96  # coordinates filled up to whole registers
 CLASSES = 9  # of forces
+FRAMES, BODY_FRAME = 5, 4  # track frames; which of them is the carbody's
 ACTUATION = 10  # brake torque (4) and drive torque (4) of the wheelsets, track brake force (2) of the bogies
 
 COACH = np.dtype(
@@ -37,7 +41,17 @@ COACH = np.dtype(
         # what the contacts of the wheels are given, their forces and their report; first, because registers are read
         # fastest from where their own size goes into the address
         ("wheels", "f8", (WHEEL, LANES)),
-        ("offset_rows", "f8", (4, LANES)),  # of the rail under each wheel: to the left, up, their slopes
+        # track frames at wheelsets and carbody, the places s they belong to, and where the bodies are by now; further
+        # lanes follow the carbody
+        ("frame", "f8", (FRAME_ROWS, LANES)),
+        ("frame_s", "f8", (LANES,)),
+        ("s", "f8", (LANES,)),
+        ("along", "f8", (LANES,)),  # their speed along the track
+        ("frame_place", "i8", (LANES,)),  # their first coordinates
+        ("condition", "f8", (CONDITION, LANES)),  # of the rail under each wheel
+        ("condition_kind", "f8", (LANES,)),  # whose curves stand there
+        ("memory", "f8", (MEMORY, LANES)),  # what each wheel remembers of its friction
+        ("offsets", "f8", (4, OFFSETS)),  # of the rails at the wheelsets
         ("wheel_normal", "f8", (7, LANES)),
         ("wheel_creep", "f8", (7, LANES)),
         ("report", "f8", (REPORT, LANES)),
@@ -47,6 +61,10 @@ COACH = np.dtype(
         ("pair_turning", "f8", (MOST_BATCHES, 6, LANES)),  # rotational stiffness and damping
         ("slot", "f8", (SLOTS, SLOT, LANES)),
         ("knot", "f8", (KNOTS, KNOT, LANES)),
+        # forces by class, and the speeds that they work with where they are observed; zero beyond the coordinates
+        ("force", "f8", (CLASSES, MOST_ROWS)),
+        ("speeds", "f8", (MOST_ROWS,)),
+        ("masses", "f8", (MOST_ROWS,)),  # diagonal of the mass matrix
         # constants
         ("bodies", "i8"),
         ("body_place", "i8", (BODY_LANES,)),  # first coordinate of each
@@ -119,11 +137,9 @@ COACH = np.dtype(
         # what changes from step to step
         ("attitude", "f8", (4, BODY_LANES)),  # unit quaternion (w, x, y, z) of each body's last committed rotation
         ("turned", "f8", (3, BODY_LANES)),  # turn coordinates at that rotation
-        ("memory", "f8", (2, 4, MEMORY)),  # what each wheel remembers of its friction
         ("passed", "f8", (4,)),  # place up to which each wheelset has left its mark on the rail
         ("sanders_at", "i8"),  # rows of `Sanders.rows`, so many
         ("sander_count", "i8"),
-        ("s", "f8", (5,)),  # place of the wheelsets and of the carbody's centre along the track
         ("capacity", "f8", (4,)),  # friction torque that the brake can hold, Nm
         ("drive", "f8", (4,)),  # drive torque, Nm
         ("track_brake", "f8", (2,)),  # friction of each bogie's magnets, N
@@ -136,15 +152,6 @@ COACH = np.dtype(
         ("ahead_v", "f8", (MOST_COORDINATES,)),
         # worked out in every evaluation
         ("rotation", "f8", (BODY_LANES, 3, 3)),
-        ("frame", "f8", (5, 14)),  # of the track, at the places frame_s
-        ("frame_s", "f8", (5,)),
-        (
-            "growth",
-            "f8",
-            (4, 2, 2),
-        ),  # of each wheel's radius over the nominal one where it touches, and per rad of turn
-        ("along", "f8", (4,)),  # speed of the wheelsets along the track
-        ("condition", "f8", (4, 2, CONDITION)),  # of the rail under each wheel
         ("brake_torque", "f8", (4,)),
         ("stuck", "f8", (4,)),
         # of the last Jacobian, to tell when it has aged
@@ -159,12 +166,10 @@ COACH = np.dtype(
         ("old_yaw", "f8", (4,)),  # of the wheelsets to those
         ("jacobians", "i8"),
         # scratch
-        ("force", "f8", (CLASSES, MOST_COORDINATES)),
         ("probe_element", "f8", (12,)),
         ("probe_map", "f8", (12,)),
         ("probe_rows", "f8", (6, 7)),
         ("probe_force", "f8", (2, MOST_ROWS)),
-        ("offsets", "f8", (8,)),
     ]
 )
 
@@ -190,9 +195,12 @@ def coach_record(parameters: CoachParameters, contact: Contact) -> np.ndarray:
     c["bogie_of"] = (1, 1, 2, 2)
     c["track_brake_arm"] = p.bogie.height_m
     c["oversize"] = p.wheels.oversize_m(p.wheelset.wheel_diameter_m)
-    c["growth"][:, :, 0] = c["oversize"]
+    c["wheels"][GROWTH] = c["oversize"].ravel()
+    c["condition_kind"] = NO_KIND
+    c["frame_place"][:4] = [first_coordinate(i) for i in range(BODIES - 4, BODIES)]
     c["harmonics"], c["harmonic"] = p.wheels.harmonics()
     c["uneven"] = bool(p.wheels.out_of_roundness)
+    c["masses"][: c["coordinates"]] = _diagonal(c)
     fill_elements(c, p, centres(p, contact))
     arrange_pairs(c)
     return coach
@@ -221,6 +229,11 @@ def first_coordinate(body: int) -> int:
 
 def masses(coach: np.void) -> np.ndarray:
     """Diagonal of the mass matrix (coordinates,)."""
+    diagonal: np.ndarray = coach["masses"][: coach["coordinates"]]
+    return diagonal
+
+
+def _diagonal(coach: np.void) -> np.ndarray:
     bodies = [m for i in range(coach["bodies"]) for m in ([coach["mass"][i]] * 3 + list(coach["inertia"][i]))]
     return np.array([*bodies[:SPIN], *[coach["spin_inertia"]] * 4, *bodies[SPIN:]])
 

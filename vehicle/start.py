@@ -3,13 +3,13 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from vehicle.layout import BODIES, SPIN, centres, coach_record, first_coordinate
+from vehicle.layout import BODIES, BODY_FRAME, SPIN, centres, coach_record, first_coordinate
 from vehicle.parameters import CoachParameters
 from wheel_rail import Contact, Track
 from wheel_rail.adhesion_state import RailTables, rail_record
 from wheel_rail.compiled import address_of
-from wheel_rail.irregularities import rail_offsets
-from wheel_rail.track import track_frame
+from wheel_rail.irregularities import ASIDE, OFFSETS, SLOPES, UP, rail_offsets
+from wheel_rail.track_frame import track_frame
 from wheel_rail.track_parameters import RAIL_SPACING_M
 
 
@@ -48,7 +48,7 @@ def start_state(
         coach["attitude"][:, i] = turned.as_quat(scalar_first=True)
         v[first : first + 3] = speed_mps * axes[0]
         if i == 0 or BODIES - 4 <= i < BODIES:
-            coach["s"][i - 3 if i else 4] = position_m + x
+            coach["s"][i - 3 if i else slice(BODY_FRAME, None)] = position_m + x
     coach["passed"] = coach["s"][:4]
     v[SPIN : SPIN + 4] = speed_mps / (contact.rolling_radius_m + coach["oversize"].mean(axis=1))
     return record, q, v
@@ -61,11 +61,11 @@ def _rails_at(track: Track, s_m: float) -> tuple[np.ndarray, np.ndarray]:
     place, axes = frame[:3], frame[3:12].reshape(3, 3)
     rough = track.irregularities
     if rough is not None:
-        offsets = np.zeros(8)
+        offsets = np.zeros(OFFSETS)
         rail_offsets(s_m, rough.first_m, rough.cell_m, rough.table, offsets)
-        aside, up = 0.5 * (offsets[:2] + offsets[2:4])
-        place = place + aside * axes[1] + up * axes[2]
-        axes = Rotation.from_rotvec((offsets[1] - offsets[3]) / RAIL_SPACING_M * axes[0]).apply(axes)
+        aside, up = offsets[ASIDE:UP], offsets[UP:SLOPES]  # left, right
+        place = place + np.mean(aside) * axes[1] + np.mean(up) * axes[2]
+        axes = Rotation.from_rotvec((up[0] - up[1]) / RAIL_SPACING_M * axes[0]).apply(axes)
     return place, axes
 
 

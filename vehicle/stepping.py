@@ -9,12 +9,11 @@ compiled call before the step does everything and Exudyn need not call back, nei
 
 import math
 
-from vehicle.forces import add_classes, forces_by_class
+from vehicle.forces import add_classes, forces_by_class, meet_rails, speeds_along
 from vehicle.implicit import ALPHA_F, ALPHA_M, BETA, GAMMA, new_response, respond, yaw_has_changed
 from vehicle.layout import ACTUATION, coach_at
 from vehicle.rotations import commit_attitudes
 from vehicle.suspension_jacobian import friction_has_changed
-from wheel_rail.adhesion_condition import rail_conditions
 from wheel_rail.adhesion_memory import remember_friction
 from wheel_rail.adhesion_state import RailTables, crush_sand, deposit, rail_of
 from wheel_rail.compiled import Array, Record, array_at, call_at, compiled, inlined
@@ -65,10 +64,7 @@ def begin_step(address: int) -> int:
     if coach.iterates:
         _note_marks(coach)
     _mark_rail(step_s, coach, rail)
-    for i in range(5):
-        at = 18 + 6 * i if i < 4 else 0
-        frame = coach.frame[i]
-        coach.s[i] += step_s * (v[at] * frame[3] + v[at + 1] * frame[4] + v[at + 2] * frame[5])
+    put_lanes(coach.s, 0, lanes_at(coach.s, 0) + step_s * speeds_along(v, coach))
     commit_attitudes(q, coach)
     _to_predictor(q, v, a, step_s, coach)
     forces_by_class(coach.ahead_q, coach.ahead_v, coach, track, rail)
@@ -98,13 +94,11 @@ def _mark_rail(step_s: float, coach: Record, rail: RailTables) -> None:
     power, slide = coach.marks[0], coach.marks[1]
     for i in range(4):
         deposit(rail, coach.passed[i], coach.s[i], step_s * power[2 * i], step_s * power[2 * i + 1])
-        if rail.memory_distance_m > 0.0:
-            rail_conditions(coach.s[i], coach.along[i], rail, coach.condition[i])
-            for side in range(2):
-                remember_friction(
-                    coach.condition[i, side], coach.memory[side, i], slide[2 * i + side], step_s,
-                    rail.memory_distance_m, rail.memory_lowest_slip_mps,
-                )  # fmt: skip
+    if rail.memory_distance_m > 0.0:
+        meet_rails(coach, rail)
+        remember_friction(
+            coach.condition, coach.memory, slide, step_s, rail.memory_distance_m, rail.memory_lowest_slip_mps
+        )
     if coach.sander_count > 0:
         for i in range(4):
             for side in range(2):

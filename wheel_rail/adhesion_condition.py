@@ -15,7 +15,10 @@ from wheel_rail.adhesion_curves import (
 )
 from wheel_rail.adhesion_state import ENERGY_KEPT, SAND_KEPT, RailTables
 from wheel_rail.compiled import Array, compiled, inlined
-from wheel_rail.recovery import DEGRADED, ENERGY, MU0, RECOVERED, SAND, TAU
+from wheel_rail.recovery import CONDITION, DEGRADED, ENERGY, MU0, RECOVERED, SAND, TAU
+
+NO_KIND = -1.0
+"""In place of a row of `RailTables.curves`: other curves."""
 
 _BACKWARD_MPS = -0.05  # faster backwards than this, a wheel meets what lies behind it
 
@@ -70,33 +73,48 @@ def _places(s_m: float, speed_mps: float, rail: RailTables) -> tuple[int, float,
 
 
 @inlined
-def _fill(
-    place: tuple[int, float, int, float], side: int, speed_mps: float, rail: RailTables, condition: Array
-) -> None:
-    """`rail_condition` at what `_places` has found; taken into its callers: handing over tables costs as much."""
-    m, w, k, u = place
-    state, places, curves = rail.state, rail.places, rail.curves
+def _kept(place: tuple[int, float, int, float], side: int, rail: RailTables) -> tuple[float, float]:
+    """Energy and sand that the rail has kept, at what `_places` has found."""
+    m, w, _, _ = place
+    state = rail.state
     energy = state[side, m, ENERGY_KEPT] + w * (state[side, m + 1, ENERGY_KEPT] - state[side, m, ENERGY_KEPT])
-    sand = state[side, m, SAND_KEPT] + w * (state[side, m + 1, SAND_KEPT] - state[side, m, SAND_KEPT])
+    return energy, state[side, m, SAND_KEPT] + w * (state[side, m + 1, SAND_KEPT] - state[side, m, SAND_KEPT])
+
+
+@inlined
+def _fill(
+    place: tuple[int, float, int, float], side: int, speed_mps: float, kept: tuple[float, float], rail: RailTables,
+    wheel: int, conditions: Array, kind: float,
+) -> float:  # fmt: skip
+    """`rail_condition` at what `_places` has found, into a column of `conditions`; what kind of rail stands there now.
+
+    Where that was `kind`, its curves stand there already. Taken into its callers: handing over tables costs as much.
+    """
+    (_, _, k, u), (energy, sand) = place, kept
+    places, curves = rail.places, rail.curves
     mu0 = places[side, k, 0] + u * (places[side, k + 1, 0] - places[side, k, 0])
     here, there = int(places[side, k, 1]), int(places[side, k + 1, 1])
-    for j in range(TAU + 1):
-        condition[j] = curves[here, j]
+    if kind != here:
+        for j in range(TAU + 1):
+            conditions[j, wheel] = curves[here, j]
+    kind = here
     degraded, recovered = mu0, curves[here, RECOVERED + MU0] + curves[here, RATIO] * mu0
     # asked here, since a call with an array costs more than all the rest
     if sand > 0.0 or curves[here, SPEED_LAW] > 0.0:
         degraded, recovered = _treated(degraded, recovered, curves, here, speed_mps, sand)
     if there != here:
         for j in range(TAU + 1):
-            condition[j] += u * (curves[there, j] - condition[j])
+            conditions[j, wheel] += u * (curves[there, j] - conditions[j, wheel])
+        kind = NO_KIND
         recovered_there = curves[there, RECOVERED + MU0] + curves[there, RATIO] * mu0
         degraded_there, recovered_there = _treated(mu0, recovered_there, curves, there, speed_mps, sand)
         degraded += u * (degraded_there - degraded)
         recovered += u * (recovered_there - recovered)
-    condition[DEGRADED + MU0] = degraded
-    condition[RECOVERED + MU0] = recovered
-    condition[ENERGY] = energy
-    condition[SAND] = sand
+    conditions[DEGRADED + MU0, wheel] = degraded
+    conditions[RECOVERED + MU0, wheel] = recovered
+    conditions[ENERGY, wheel] = energy
+    conditions[SAND, wheel] = sand
+    return kind
 
 
 @compiled
@@ -107,12 +125,34 @@ def rail_condition(s_m: float, side: int, speed_mps: float, rail: RailTables, co
     wheel has not touched: linear between the centres of the next cell and of the one behind it, so that the wheel does
     not meet its own work, which its force accounts for already.
     """
-    _fill(_places(s_m, speed_mps, rail), side, speed_mps, rail, condition)
+    place = _places(s_m, speed_mps, rail)
+    _fill(place, side, speed_mps, _kept(place, side, rail), rail, 0, condition.reshape((CONDITION, 1)), NO_KIND)
 
 
 @inlined
-def rail_conditions(s_m: float, speed_mps: float, rail: RailTables, conditions: Array) -> None:
-    """`rail_condition` for the left and the right wheel of a wheelset: `conditions` (2, CONDITION)."""
+def rail_conditions(
+    wheelset: int, s_m: float, speed_mps: float, rail: RailTables, conditions: Array, kinds: Array
+) -> None:
+    """`rail_condition` for the left and the right wheel of a wheelset, into its columns of `conditions` (CONDITION,
+    LANES).
+
+    `kinds` (LANES,): whose curves stand in each column, from call to call: rows of `rail.curves`, or NO_KIND.
+    """
     place = _places(s_m, speed_mps, rail)
-    _fill(place, 0, speed_mps, rail, conditions[0])
-    _fill(place, 1, speed_mps, rail, conditions[1])
+    for side in range(2):
+        w = 2 * wheelset + side
+        kinds[w] = _fill(place, side, speed_mps, _kept(place, side, rail), rail, w, conditions, kinds[w])
+
+
+@compiled
+def past_conditions(
+    s_m: Array, speed_mps: Array, energy_jpm: Array, sand_gpm: Array, rail: RailTables, conditions: Array, kinds: Array
+) -> None:
+    """`rail_conditions` for four wheelsets (4,) at a time when the rails had kept what `energy_jpm` and `sand_gpm`
+    (LANES,) say."""
+    for i in range(4):
+        place = _places(s_m[i], speed_mps[i], rail)
+        for side in range(2):
+            w = 2 * i + side
+            kept = energy_jpm[w], sand_gpm[w]
+            kinds[w] = _fill(place, side, speed_mps[i], kept, rail, w, conditions, kinds[w])

@@ -9,10 +9,12 @@ import math
 from pydantic import BaseModel, ConfigDict, Field
 
 from wheel_rail.compiled import Array, compiled
+from wheel_rail.lane_arrays import lanes_at, put_lanes
+from wheel_rail.lanes import LANES, greater
 from wheel_rail.recovery import DEGRADED, FALLING_A, FALLING_B, MU0, RECOVERED
 
 MEMORY = 2
-"""A wheel's memory: friction over mu0 of the degraded and of the recovered curve; ones for a wheel that rolls."""
+"""Rows of the wheels' memory: friction over mu0 of degraded and recovered curve; ones for a wheel that rolls."""
 
 
 class FrictionMemoryParameters(BaseModel):
@@ -26,22 +28,25 @@ class FrictionMemoryParameters(BaseModel):
 
 @compiled
 def remember_friction(
-    condition: Array, memory: Array, slip_speed_mps: float, step_s: float, distance_m: float, lowest_slip_mps: float
+    conditions: Array, memory: Array, slip_speed_mps: Array, step_s: float, distance_m: float, lowest_slip_mps: float
 ) -> None:
-    """Advance `memory` (MEMORY,) by a step at constant slip speed, exactly; `condition` before `recall_friction`."""
-    share = math.exp(-max(slip_speed_mps, lowest_slip_mps) * step_s / distance_m)
+    """Advance `memory` (MEMORY, LANES) by a step at constant slip speeds (LANES,), exactly; `conditions` (CONDITION,
+    LANES) before `recall_friction`."""
+    slip = lanes_at(slip_speed_mps, 0)
+    share = math.exp(-greater(slip, lowest_slip_mps) * (step_s / distance_m))
     for k in range(MEMORY):
         at = (DEGRADED, RECOVERED)[k]
-        a = condition[at + FALLING_A]
-        steady = (1.0 - a) * math.exp(-condition[at + FALLING_B] * slip_speed_mps) + a
-        memory[k] = steady + (memory[k] - steady) * share
+        a = lanes_at(conditions, (at + FALLING_A) * LANES)
+        steady = (1.0 - a) * math.exp(-lanes_at(conditions, (at + FALLING_B) * LANES) * slip) + a
+        put_lanes(memory, k * LANES, steady + (lanes_at(memory, k * LANES) - steady) * share)
 
 
 @compiled
-def recall_friction(condition: Array, memory: Array) -> None:
-    """Put the remembered friction into `condition`, whose curves no longer depend on the slip speed then."""
+def recall_friction(conditions: Array, memory: Array) -> None:
+    """Put the remembered friction into `conditions`, whose curves no longer depend on the slip speed then."""
     for k in range(MEMORY):
         at = (DEGRADED, RECOVERED)[k]
-        condition[at + MU0] *= memory[k]
-        condition[at + FALLING_A] = 1.0
-        condition[at + FALLING_B] = 0.0
+        for w in range(LANES):
+            conditions[at + MU0, w] *= memory[k, w]
+            conditions[at + FALLING_A, w] = 1.0
+            conditions[at + FALLING_B, w] = 0.0

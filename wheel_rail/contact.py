@@ -10,6 +10,8 @@ The eight wheels are the lanes of `wheel_rail.lanes`: left and right wheel of th
 
 import math
 
+import numpy as np
+
 from wheel_rail.compiled import Array, Record, Vector, compiled, inlined
 from wheel_rail.contact_table import (
     C11,
@@ -29,7 +31,7 @@ from wheel_rail.contact_table import (
 )
 from wheel_rail.creep_laws import POLACH
 from wheel_rail.lane_arrays import lanes_at, of_wheels, put_lanes
-from wheel_rail.lane_functions import cube_root
+from wheel_rail.lane_functions import cube_root, over_root
 from wheel_rail.lanes import LANES, Lanes, greater, lane, lanes_of, where
 from wheel_rail.recovery import (
     CONDITION,
@@ -60,20 +62,6 @@ NORMAL, LONGITUDINAL, LATERAL, TANGENT, SECANT, SLIDE_POWER, SLIDE, PENETRATION 
 ALONG, UPWARDS, POINT = 8, 11, 14
 DIRECTION, LOAD_SHARE, RADIUS_SLOPE, NORMAL_STIFFNESS, NORMAL_TURN, SLIDE_SPEED = 17, 19, 21, 22, 23, 24
 REPORT = 25
-
-
-@inlined
-def _over_root(x: Lanes) -> Lanes:
-    """1/sqrt(1 + x^2) to rounding for the slopes of cant ramps and yawed cones, |x| < 0.01."""
-    x2 = x * x
-    return 1.0 - 0.5 * x2 * (1.0 - 0.75 * x2 * (1.0 - 5.0 / 6.0 * x2))
-
-
-@inlined
-def _under_root(x: Lanes) -> Lanes:
-    """1/sqrt(1 - x^2) to 1e-9 for the sine of a yaw angle, |x| < 0.05."""
-    x2 = x * x
-    return 1.0 + 0.5 * x2 * (1.0 + 0.75 * x2 * (1.0 + 5.0 / 6.0 * x2))
 
 
 @inlined
@@ -127,8 +115,8 @@ def wheel_contacts(
 ) -> None:
     """Forces of all wheels on their wheelsets.
 
-    `wheels` (WHEEL, LANES): see the constants above; `constants`: record of dtype CONTACT; `condition` (LANES,
-    CONDITION), of any shape with so many floats: the rail's, under each wheel. Fills `normal` (7, LANES), the flange's
+    `wheels` (WHEEL, LANES): see the constants above; `constants`: record of dtype CONTACT; `condition` (CONDITION,
+    LANES): the rail's, under each wheel. Fills `normal` (7, LANES), the flange's
     force in it, and `creep` (7, LANES): force (3) in the world, moment about the wheelset's centre (3) without its part
     along the axle, and torque about the axle (1); and `report` (REPORT, LANES).
     """
@@ -152,18 +140,18 @@ def wheel_contacts(
     # rail's own tangent: the cant ramp lifts one rail and lowers the other
     shorter = half * curvature  # below 0.01, so that 1/(1 - x) is 1 + x + x^2 to a millionth
     lift = half * ramp * (1.0 + shorter * (1.0 + shorter))
-    scale = _over_root(lift)
+    scale = over_root(lift * lift)
     cx, cy, cz = (tx + lift * bx) * scale, (ty + lift * by) * scale, (tz + lift * bz) * scale
     # perpendicular to rail and axle, upwards; rolling direction of the wheel
     zx, zy, zz = cy * ez - cz * ey, cz * ex - cx * ez, cx * ey - cy * ex
     askew = ex * cx + ey * cy + ez * cz
-    scale = _under_root(askew)
+    scale = over_root(-askew * askew)
     zx, zy, zz = zx * scale, zy * scale, zz * scale
     rx, ry, rz = ey * zz - ez * zy, ez * zx - ex * zz, ex * zy - ey * zx
     # a yawed wheel touches ahead of or behind the axle: turn the radial direction until the normal is square to the
     # rail (r c = 1/scale)
     ahead = -inward * askew * scale
-    scale = _over_root(ahead)
+    scale = over_root(ahead * ahead)
     zx, zy, zz = (zx + ahead * rx) * scale, (zy + ahead * ry) * scale, (zz + ahead * rz) * scale
     px, py, pz = along * ex - radius * zx, along * ey - radius * zy, along * ez - radius * zz
     # normal of the wheel at the contact, from the rail into the wheel
@@ -211,8 +199,7 @@ def wheel_contacts(
     if constants.law == POLACH:
         along_rail, across, tangent, secant = polach_adhesion(
             creep_c, creep_l, spin, slide, forward, carried, patch, curves_of_wheels(condition, DEGRADED),
-            curves_of_wheels(condition, RECOVERED), of_wheels(condition, TAU, CONDITION),
-            of_wheels(condition, ENERGY, CONDITION),
+            curves_of_wheels(condition, RECOVERED), _row(condition, TAU), _row(condition, ENERGY),
             constants.shear_modulus_pa,
         )  # fmt: skip
     else:
@@ -276,14 +263,15 @@ def _other_law(
     normal_force_n: Lanes, patch: Vector, condition: Array, report: Array,
 ) -> None:  # fmt: skip
     """Creep forces, tangents and secants over creep of any law, wheel by wheel, into their rows of `report`."""
-    conditions = condition.reshape((LANES, CONDITION))
+    of_wheel = np.empty(CONDITION)
     for w in range(LANES):
+        of_wheel[:] = condition[:, w]
         a, b, c11, c22, c23, spin_factor = patch
         ellipse = lane(a, w), lane(b, w), lane(c11, w), lane(c22, w), lane(c23, w), lane(spin_factor, w)
         report[LONGITUDINAL, w], report[LATERAL, w], report[TANGENT, w], report[SECANT, w] = adhesive_force(
             constants.law, constants.law_address, constants.law_extra,
             lane(creep_x, w), lane(creep_y, w), lane(spin_1pm, w), lane(slip_speed_mps, w), lane(speed_mps, w),
-            lane(normal_force_n, w), ellipse, conditions[w], constants.shear_modulus_pa,
+            lane(normal_force_n, w), ellipse, of_wheel, constants.shear_modulus_pa,
         )  # fmt: skip
 
 

@@ -15,14 +15,17 @@ from wheel_rail.compiled import Array, compiled, inlined
 from wheel_rail.irregularity_files import read_measured
 from wheel_rail.irregularity_parameters import IrregularityParameters
 from wheel_rail.irregularity_spectra import QUANTITIES, SPECTRA, Spectrum
+from wheel_rail.lane_arrays import lanes_at, put_lanes
+from wheel_rail.lane_functions import over_root
 from wheel_rail.lanes import Lanes
+from wheel_rail.splines import between_nodes, hermite
 
 Three = tuple[Lanes, Lanes, Lanes]
 Frame = tuple[Three, Three, Three, Lanes, Lanes]
 """Tangent, left, up, roll slope (rad/m), curvature (rad/m)."""
 
-# columns of the table: lateral (to the left) and vertical (up) offset of the left, then of the right rail; their slopes
-OFFSETS = 4
+# columns of the table: lateral offset (to the left) of the left and of the right rail, vertical ones (up); their slopes
+ASIDE, UP, SLOPES, OFFSETS = 0, 2, 4, 8  # how many in all
 _EDGE = 1.25  # over this ratio of wavelengths the amplitude falls to nothing at either end of the band
 _KERNEL_WAVES = 32  # length of the filter in longest wavelengths
 _SMOOTHEST_FADE = np.polynomial.Polynomial([0.0, 0.0, 0.0, 10.0, -15.0, 6.0])  # no jump of slope or curvature
@@ -41,7 +44,7 @@ class Irregularities:
         self.values_m = values_m
         level, alignment, cross, gauge = values_m.T
         offsets = np.stack(
-            [alignment + 0.5 * gauge, level - 0.5 * cross, alignment - 0.5 * gauge, level + 0.5 * cross], axis=1
+            [alignment + 0.5 * gauge, alignment - 0.5 * gauge, level - 0.5 * cross, level + 0.5 * cross], axis=1
         )
         slopes = CubicSpline(cell_m * np.arange(len(offsets)), offsets, bc_type="clamped").derivative()
         self.table = np.concatenate([offsets, slopes(cell_m * np.arange(len(offsets)))], axis=1)
@@ -120,17 +123,9 @@ def rail_offsets(s_m: float, first_m: float, cell_m: float, table: Array, offset
             offsets[j] = 0.0
         return
     k = int(u)
-    u -= k
-    p, q = table[k], table[k + 1]
-    h01 = u * u * (3.0 - 2.0 * u)
-    h10 = u * (1.0 - u) * (1.0 - u) * cell_m
-    h11 = u * u * (u - 1.0) * cell_m
-    d01 = 6.0 * u * (1.0 - u) / cell_m
-    d10 = 1.0 - 4.0 * u + 3.0 * u * u
-    d11 = 3.0 * u * u - 2.0 * u
-    for j in range(4):
-        offsets[j] = p[j] + h01 * (q[j] - p[j]) + h10 * p[4 + j] + h11 * q[4 + j]
-        offsets[4 + j] = d01 * (q[j] - p[j]) + d10 * p[4 + j] + d11 * q[4 + j]
+    at = OFFSETS * k
+    both = between_nodes(lanes_at(table, at), lanes_at(table, at + OFFSETS), hermite(u - k, cell_m))
+    put_lanes(offsets, 0, both)
 
 
 @inlined
@@ -149,8 +144,8 @@ def displaced_frame(place: Three, track: Frame, offset: tuple[Lanes, Lanes, Lane
     heading = curvature * ahead
     turn = aside_slope - twist * up + heading * bz
     climb = up_slope + twist * aside - heading * nz
-    scale = 1.0 / math.sqrt(1.0 + turn * turn + climb * climb)
-    across = 1.0 / math.sqrt(1.0 + turn * turn)
+    scale = over_root(turn * turn + climb * climb)
+    across = over_root(turn * turn)
     origin = (
         ahead * tx + aside * nx + up * bx, ahead * ty + aside * ny + up * by, ahead * tz + aside * nz + up * bz
     )  # fmt: skip

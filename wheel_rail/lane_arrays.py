@@ -1,8 +1,8 @@
 """Lanes (`wheel_rail.lanes`) from arrays, and back.
 
 Arrays are contiguous, of any shape, and counted through; nothing is checked. With a `stride` the floats stand at
-`offset`, `offset + stride` ...: one for each wheel, or one for each wheelset. With `places`, an array of integers, they
-stand `shift` behind the eight places from `first` on.
+`offset`, `offset + stride` ...: one for each wheel, or for each wheelset one or a pair. With `places`, an array of
+integers, they stand `shift` behind the eight places from `first` on.
 """
 
 from typing import Any
@@ -43,14 +43,17 @@ def put_lanes(_typing: Any, array: Any, offset: Any, value: Any) -> Any:
     return types.none(array, types.intp, LANES_TYPE), code
 
 
-def _strided(context: Any, builder: Any, sig: Any, args: Any, count: int) -> list[Any]:
-    array, offset, stride = args
+def _places(context: Any, builder: Any, sig: Any, args: Any, count: int) -> list[Any]:
+    """Pointers to so many floats, a stride apart."""
+    array, offset, stride = args[:3]
     return [
-        builder.load(
-            _place(context, builder, sig.args[0], array, builder.add(offset, builder.mul(stride, stride.type(k))))
-        )
+        _place(context, builder, sig.args[0], array, builder.add(offset, builder.mul(stride, stride.type(k))))
         for k in range(count)
     ]
+
+
+def _strided(context: Any, builder: Any, sig: Any, args: Any, count: int) -> list[Any]:
+    return [builder.load(place) for place in _places(context, builder, sig, args, count)]
 
 
 @intrinsic
@@ -71,11 +74,8 @@ def put_wheels(_typing: Any, array: Any, offset: Any, stride: Any, value: Any) -
     """Write one float for each wheel."""
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        array, offset, stride, value = args
-        for k in range(LANES):
-            at = builder.add(offset, builder.mul(stride, stride.type(k)))
-            lane = builder.extract_element(value, ir.IntType(32)(k))
-            builder.store(lane, _place(context, builder, sig.args[0], array, at))
+        for k, place in enumerate(_places(context, builder, sig, args, LANES)):
+            builder.store(builder.extract_element(args[3], ir.IntType(32)(k)), place)
         return context.get_dummy_value()
 
     return types.none(array, types.intp, types.intp, LANES_TYPE), code
@@ -96,22 +96,54 @@ def of_wheelsets(_typing: Any, array: Any, offset: Any, stride: Any) -> Any:
 
 
 @intrinsic
+def of_pairs(_typing: Any, array: Any, offset: Any, stride: Any) -> Any:
+    """Two floats side by side for each wheelset: of its left and its right wheel."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        pair = ir.VectorType(ir.DoubleType(), 2)
+        pairs = [
+            builder.load(builder.bitcast(place, pair.as_pointer()), align=_UNALIGNED)
+            for place in _places(context, builder, sig, args, LANES // 2)
+        ]
+        return _joined(builder, _joined(builder, pairs[0], pairs[1]), _joined(builder, pairs[2], pairs[3]))
+
+    return LANES_TYPE(array, types.intp, types.intp), code
+
+
+def _joined(builder: Any, low: Any, high: Any) -> Any:
+    """One vector of two of the same size."""
+    order = list(range(2 * low.type.count))
+    return builder.shuffle_vector(low, high, ir.Constant(ir.VectorType(ir.IntType(32), len(order)), order))
+
+
+@intrinsic
+def put_four(_typing: Any, array: Any, offset: Any, value: Any) -> Any:
+    """Write the first four lanes from `offset` on."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place, value = _place(context, builder, sig.args[0], args[0], args[1]), args[2]
+        order = ir.Constant(ir.VectorType(ir.IntType(32), LANES // 2), list(range(LANES // 2)))
+        four = builder.shuffle_vector(value, value, order)
+        builder.store(four, builder.bitcast(place, four.type.as_pointer()), align=_UNALIGNED)
+        return context.get_dummy_value()
+
+    return types.none(array, types.intp, LANES_TYPE), code
+
+
+@intrinsic
 def put_wheelsets(_typing: Any, array: Any, offset: Any, stride: Any, value: Any) -> Any:
     """Write one float for each wheelset, the sum of its two wheels' lanes."""
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        array, offset, stride, value = args
+        value = args[3]
         index = ir.VectorType(ir.IntType(32), LANES // 2)
         left, right = ([2 * k + side for k in range(LANES // 2)] for side in range(2))
         total = builder.fadd(
             builder.shuffle_vector(value, value, ir.Constant(index, left)),
             builder.shuffle_vector(value, value, ir.Constant(index, right)),
         )
-        for k in range(LANES // 2):
-            at = builder.add(offset, builder.mul(stride, stride.type(k)))
-            builder.store(
-                builder.extract_element(total, ir.IntType(32)(k)), _place(context, builder, sig.args[0], array, at)
-            )
+        for k, place in enumerate(_places(context, builder, sig, args, LANES // 2)):
+            builder.store(builder.extract_element(total, ir.IntType(32)(k)), place)
         return context.get_dummy_value()
 
     return types.none(array, types.intp, types.intp, LANES_TYPE), code

@@ -27,6 +27,8 @@ intrinsic: Any = extending.intrinsic  # what it decorates loses its first argume
 Lanes = Any  # the compiled type, as Python's annotations see it: eight floats, or one for all
 Mask = Any  # eight booleans, or one
 
+ZEROS = (0.0,) * LANES  # for `lanes_of`
+
 DOUBLES = ir.VectorType(ir.DoubleType(), LANES)
 BITS = ir.VectorType(ir.IntType(64), LANES)
 
@@ -202,6 +204,58 @@ def lane(_typing: Any, value: Any, number: Any) -> Any:
         return builder.extract_element(args[0], args[1])
 
     return types.float64(value, number), code
+
+
+@intrinsic
+def total(_typing: Any, value: Any) -> Any:
+    """Sum of all lanes: of the halves, of their halves, and so on."""
+
+    def code(_context: Any, builder: Any, _sig: Any, args: Any) -> Any:
+        value = args[0]
+        half = LANES // 2
+        while half > 0:
+            kind = ir.VectorType(ir.IntType(32), half)
+            low, high = (ir.Constant(kind, [first + k for k in range(half)]) for first in (0, half))
+            value = builder.fadd(builder.shuffle_vector(value, value, low), builder.shuffle_vector(value, value, high))
+            half //= 2
+        return builder.extract_element(value, ir.IntType(32)(0))
+
+    return types.float64(value), code
+
+
+@intrinsic
+def swapped(_typing: Any, value: Any) -> Any:
+    """The last four lanes, then the first four."""
+
+    def code(_context: Any, builder: Any, _sig: Any, args: Any) -> Any:
+        half = LANES // 2
+        order = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [(k + half) % LANES for k in range(LANES)])
+        return builder.shuffle_vector(args[0], args[0], order)
+
+    return LANES_TYPE(value), code
+
+
+@intrinsic
+def doubled(_typing: Any, value: Any) -> Any:
+    """The first four lanes, each twice: from wheelsets to wheels."""
+
+    def code(_context: Any, builder: Any, _sig: Any, args: Any) -> Any:
+        order = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [k // 2 for k in range(LANES)])
+        return builder.shuffle_vector(args[0], args[0], order)
+
+    return LANES_TYPE(value), code
+
+
+@intrinsic
+def joined(_typing: Any, first: Any, second: Any) -> Any:
+    """The first four lanes of both."""
+
+    def code(_context: Any, builder: Any, _sig: Any, args: Any) -> Any:
+        half = LANES // 2
+        order = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [*range(half), *range(LANES, LANES + half)])
+        return builder.shuffle_vector(args[0], args[1], order)
+
+    return LANES_TYPE(first, second), code
 
 
 @intrinsic

@@ -37,6 +37,6 @@ def wheelset_contact(
         column = np.atleast_1d(np.asarray(values, dtype=float))
         wheels[first : first + len(column)] = column[:, None]
     normal, creep, report = np.zeros((7, LANES)), np.zeros((7, LANES)), np.zeros((REPORT, LANES))
-    conditions = np.tile(np.asarray(condition, dtype=float), (LANES, 1))
+    conditions = np.repeat(np.asarray(condition, dtype=float)[:, None], LANES, axis=1)
     wheel_contacts(wheels, constants[()], conditions, normal, creep, report)
     return normal.T[:2], creep.T[:2], report.T[:2]

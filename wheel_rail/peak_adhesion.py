@@ -10,9 +10,11 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from wheel_rail.compiled import Array, Vector, compiled, inlined
 from wheel_rail.creep_laws import POLACH
-from wheel_rail.lane_arrays import lanes_at, of_wheels, put_lanes
+from wheel_rail.lane_arrays import lanes_at, put_lanes
 from wheel_rail.lane_functions import cube_root
 from wheel_rail.lanes import LANES, Lanes, every, greater, where
 from wheel_rail.recovery import (
@@ -61,7 +63,7 @@ def offered_to_wheels(
 ) -> None:  # fmt: skip
     """`offered_adhesion` to eight wheels, into `peak` and `creep`; zero to those that bear nothing.
 
-    `speed_mps`, `normal_force_n`, `peak`, `creep` (LANES,); `conditions` (LANES, CONDITION); `patch`: the contact
+    `speed_mps`, `normal_force_n`, `peak`, `creep` (LANES,); `conditions` (CONDITION, LANES); `patch`: the contact
     ellipse under `reference_load_n`, which grows with the cube root of the load.
     """
     if law == POLACH:
@@ -70,18 +72,20 @@ def offered_to_wheels(
         wheels = (
             speed, _cleaning_speed(speed, own_cleaning), borne, _grown(patch, borne, reference_load_n),
             curves_of_wheels(conditions, DEGRADED), curves_of_wheels(conditions, RECOVERED),
-            of_wheels(conditions, TAU, CONDITION), of_wheels(conditions, ENERGY, CONDITION), shear_modulus_pa,
+            lanes_at(conditions, TAU * LANES), lanes_at(conditions, ENERGY * LANES), shear_modulus_pa,
         )  # fmt: skip
         found, place = _search(_polach_wheels, wheels)
         put_lanes(peak, 0, where(load > 0.0, found, 0.0))
         put_lanes(creep, 0, where(load > 0.0, place, 0.0))
         return
+    condition = np.empty(CONDITION)
     for w in range(LANES):
         peak[w] = creep[w] = 0.0
+        condition[:] = conditions[:, w]
         if normal_force_n[w] > 0.0:
             peak[w], creep[w] = offered_adhesion(
                 law, address, extra, speed_mps[w], normal_force_n[w],
-                _grown(patch, normal_force_n[w], reference_load_n), conditions[w], shear_modulus_pa, own_cleaning,
+                _grown(patch, normal_force_n[w], reference_load_n), condition, shear_modulus_pa, own_cleaning,
             )  # fmt: skip
 
 

@@ -14,8 +14,8 @@ from numba.extending import overload
 
 from wheel_rail.compiled import Array, Vector, compiled, inlined
 from wheel_rail.creep_laws import POLACH, creep_force
-from wheel_rail.lane_arrays import of_wheels
-from wheel_rail.lanes import Lanes, LanesType, every, greater, lane, lanes_of, lesser, where
+from wheel_rail.lane_arrays import lanes_at
+from wheel_rail.lanes import LANES, Lanes, LanesType, every, greater, lane, lanes_of, lesser, where
 from wheel_rail.polach import polach_on_curve, polach_slip
 
 # layout of a wheel's rail condition: two friction curves, what lies between them, and what the rail carries
@@ -110,13 +110,13 @@ def _curve(condition: Array, at: int) -> Vector:
 
 @inlined
 def curves_of_wheels(conditions: Array, at: int) -> Vector:
-    """The friction curves of eight wheels, lanes, that begin at column `at` of `conditions` (LANES, CONDITION)."""
+    """The friction curves of eight wheels, lanes, that begin at row `at` of `conditions` (CONDITION, LANES)."""
     return (
-        of_wheels(conditions, at, CONDITION),
-        of_wheels(conditions, at + 1, CONDITION),
-        of_wheels(conditions, at + 2, CONDITION),
-        of_wheels(conditions, at + 3, CONDITION),
-        of_wheels(conditions, at + 4, CONDITION),
+        lanes_at(conditions, at * LANES),
+        lanes_at(conditions, (at + 1) * LANES),
+        lanes_at(conditions, (at + 2) * LANES),
+        lanes_at(conditions, (at + 3) * LANES),
+        lanes_at(conditions, (at + 4) * LANES),
     )
 
 

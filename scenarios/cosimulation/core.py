@@ -22,10 +22,6 @@ BRAKE_ROW = np.dtype(
         ("demand", "f8"),
         ("reference_speed_mps", "f8"),
         ("axle_speed_mps", "f8", (4,)),
-        ("valve_command", "f8", (4,)),
-        ("valve", "f8", (4,)),
-        ("sand_command", "f8", (4,)),
-        ("track_brake_command", "f8"),
         ("distributor_pressure_bar", "f8"),
         ("reservoir_pressure_bar", "f8"),
         ("cylinder_pressure_bar", "f8", (4,)),
@@ -33,9 +29,14 @@ BRAKE_ROW = np.dtype(
         ("dynamic_brake_torque_nm", "f8", (4,)),
         ("track_brake_force_n", "f8", (2,)),
         ("disc_temperature_degc", "f8", (4,)),
-        ("safety_timer_fired", "f8", (4,)),
         ("air_nl", "f8"),
-    ]
+        ("valve_command", "i1", (4,)),
+        ("valve", "i1", (4,)),
+        ("sand_command", "i1", (4,)),
+        ("safety_timer_fired", "i1", (4,)),
+        ("track_brake_command", "i1"),
+    ],
+    align=True,
 )
 """One row of what is recorded of the brake."""
 
@@ -244,7 +245,7 @@ def _write_brake_row(address: int) -> None:
     row.distributor_pressure_bar = brake.distributor_bar
     row.reservoir_pressure_bar = brake.reservoir_bar
     row.air_nl = brake.drawn_nl
-    row.track_brake_command = 1.0 if brake.track_brake_on else 0.0
+    row.track_brake_command = 1 if brake.track_brake_on else 0
     for i in range(4):
         row.axle_speed_mps[i] = state[pulse_edges.SPEED, i]
         row.valve_command[i] = loop.command[i]

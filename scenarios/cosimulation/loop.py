@@ -275,7 +275,7 @@ class Loop:
         self.tachometers.count = int(self._numbers["edge_count"])
         recorder.rows = int(self._numbers["row"])
         seen = self._seen[: self._ticks.item()]
-        motion, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact)
+        motion, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact, line.rail)
         return Truth(
             motion=motion,
             wheelsets=wheelsets,

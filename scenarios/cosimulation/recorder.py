@@ -11,6 +11,9 @@ from scenarios.truth import BrakeStream, MotionStream, WheelsetStream
 from sensors.streams import quantities
 from vehicle import OBSERVATION, POWERS
 from wheel_rail import Contact, Track
+from wheel_rail.adhesion_condition import NO_KIND, past_conditions
+from wheel_rail.adhesion_memory import recall_friction
+from wheel_rail.adhesion_state import RailTables
 from wheel_rail.compiled import Array, Vector, compiled
 from wheel_rail.lanes import LANES
 from wheel_rail.peak_adhesion import offered_to_wheels
@@ -85,25 +88,26 @@ class Recorder:
                 values[rows] = block[name]
         return BrakeStream(t_s=t_s, **columns)
 
-    def motion_and_wheelsets(self, track: Track, contact: Contact) -> tuple[MotionStream, WheelsetStream]:
-        """The carbody's motion with the track where it is, and the wheelsets; `contact` for the peak adhesion on offer,
-        a centred wheel's."""
+    def motion_and_wheelsets(
+        self, track: Track, contact: Contact, rail: RailTables
+    ) -> tuple[MotionStream, WheelsetStream]:
+        """The carbody's motion with the track where it is, and the wheelsets; `contact` and `rail` for the peak
+        adhesion on offer, a centred wheel's."""
         count = self._before + self.rows
         columns = {
             name: np.empty((count, *OBSERVATION[name].shape))
             for name in OBSERVATION.names or ()
-            if name != "rail_condition"  # half of a row, and of use only here
+            if name not in ("rail_kept", "memory")  # of use only here
         }
-        speed, normal = columns["wheelset_speed_mps"], columns["normal_force_n"]
+        speed = columns["wheelset_speed_mps"]
         offered, at_slip = np.empty_like(speed), np.empty_like(speed)
         law = contact.law
         for rows, block in self._taken(0):
             for name, values in columns.items():
                 values[rows] = block[name]
             _offered_adhesion(
-                speed[rows],
-                normal[rows],
-                np.ascontiguousarray(block["rail_condition"]),
+                block,
+                rail,
                 (law.number, law.address),
                 law.extra,
                 tuple(contact.patch),
@@ -152,52 +156,59 @@ def _own_pages(dtype: np.dtype) -> np.ndarray:
 
 @compiled
 def _offered_adhesion(
-    speed: Array, normal: Array, conditions: Array, law: tuple[int, int], extra: Array, patch: Vector,
-    reference_load_n: float, shear_modulus_pa: float, offered: Array, at_slip: Array,
+    rows: np.ndarray, rail: RailTables, law: tuple[int, int], extra: Array, patch: Vector, reference_load_n: float,
+    shear_modulus_pa: float, offered: Array, at_slip: Array,
 ) -> None:  # fmt: skip
     """Load-weighted peak adhesion of the two wheels of each wheelset, into `offered` (n, 4), and the slip that it is
-    found at into `at_slip`; both 0 for a wheelset in the air."""
-    asked = np.empty((speed.size * 2, 3), np.int64)
-    loads, shares = np.empty((2, len(asked)))
-    count = 0
-    for n in range(speed.shape[0]):
-        for i in range(4):
-            of_wheels = max(normal[n, 2 * i], 0.0), max(normal[n, 2 * i + 1], 0.0)
-            both = of_wheels[0] + of_wheels[1]
-            # peak adhesion hardly depends on the load: on rails alike one search serves both wheels
-            alike = _alike(conditions[n, 0, i], conditions[n, 1, i])
-            for side in range(1 if alike else 2):
-                carried = both if alike else of_wheels[side]
-                if carried > 0.0:
-                    asked[count] = n, side, i
-                    loads[count] = max(0.5 * both if alike else carried, 1.0)
-                    shares[count] = carried / both
-                    count += 1
+    found at into `at_slip`; both 0 for a wheelset in the air. `rows` (n,) of dtype OBSERVATION."""
+    here, kinds = np.empty((CONDITION, LANES)), np.full(LANES, NO_KIND)
+    # eight wheels together, of whatever row and wheelset, cost little more than one
+    condition = np.zeros((CONDITION, LANES))
+    wheel_speed, load, share, peak, creep = np.zeros((5, LANES))
+    asked = np.empty((LANES, 2), np.int64)
     offered[:] = 0.0
     at_slip[:] = 0.0
-    # eight together, of whatever row and wheelset, cost little more than one
-    wheel_speed, load, peak, creep = np.zeros((4, LANES))
-    condition = np.zeros((LANES, CONDITION))
-    for first in range(0, count, LANES):
-        load[:] = 0.0
-        for w in range(min(LANES, count - first)):
-            n, side, i = asked[first + w]
-            wheel_speed[w], load[w] = abs(speed[n, i]), loads[first + w]
-            condition[w] = conditions[n, side, i]
-        offered_to_wheels(
-            law[0], law[1], extra, wheel_speed, load, patch, reference_load_n, condition, shear_modulus_pa, True,
-            peak, creep,
-        )  # fmt: skip
-        for w in range(min(LANES, count - first)):
-            n, _, i = asked[first + w]
-            offered[n, i] += shares[first + w] * peak[w]
-            at_slip[n, i] += shares[first + w] * creep[w]
+    count, last = 0, 4 * rows.shape[0] - 1
+    for number in range(last + 1):
+        n, i = number // 4, number % 4
+        row = rows[n]
+        if i == 0:
+            past_conditions(
+                row.wheelset_position_m, row.wheelset_speed_mps, row.rail_kept[0], row.rail_kept[1], rail, here, kinds
+            )
+            if rail.memory_distance_m > 0.0:
+                recall_friction(here, row.memory)
+                kinds[:] = NO_KIND
+        of_wheels = max(row.normal_force_n[2 * i], 0.0), max(row.normal_force_n[2 * i + 1], 0.0)
+        both = of_wheels[0] + of_wheels[1]
+        # peak adhesion hardly depends on the load: on rails alike one search serves both wheels
+        alike = _alike(here, 2 * i)
+        for side in range(1 if alike else 2):
+            carried = both if alike else of_wheels[side]
+            if carried > 0.0:
+                asked[count] = n, i
+                wheel_speed[count] = abs(row.wheelset_speed_mps[i])
+                load[count] = max(0.5 * both if alike else carried, 1.0)
+                share[count] = carried / both
+                condition[:, count] = here[:, 2 * i + side]
+                count += 1
+            if count == LANES or (number == last and count > 0):
+                load[count:] = 0.0
+                offered_to_wheels(
+                    law[0], law[1], extra, wheel_speed, load, patch, reference_load_n, condition, shear_modulus_pa,
+                    True, peak, creep,
+                )  # fmt: skip
+                for w in range(count):
+                    offered[asked[w, 0], asked[w, 1]] += share[w] * peak[w]
+                    at_slip[asked[w, 0], asked[w, 1]] += share[w] * creep[w]
+                count = 0
 
 
 @compiled
-def _alike(one: Array, other: Array) -> bool:
-    """Whether two rail conditions differ by 2 % at most in each number."""
+def _alike(conditions: Array, left: int) -> bool:
+    """Whether the rails' conditions under a left wheel and the right one beside it differ by 2 % at most in each
+    number."""
     alike = True
     for k in range(CONDITION):
-        alike &= abs(one[k] - other[k]) <= 0.02 * abs(one[k])
+        alike &= abs(conditions[k, left] - conditions[k, left + 1]) <= 0.02 * abs(conditions[k, left])
     return alike

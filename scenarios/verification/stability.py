@@ -75,7 +75,7 @@ def running(preset: str, speed_kmh: float, length_m: float, settings: Sequence[s
         state.observe(t_s, row, 0)
         coach = state.observed
         force = (coach["force"][CONTACT_NORMAL] + coach["force"][CREEP])[_FIRST_WHEELSET:SPIN].reshape(4, 6)[:, :3]
-        guiding[count] = np.einsum("ij,ij->i", coach["frame"][:4, 6:9], force)
+        guiding[count] = np.einsum("ji,ij->i", coach["frame"][6:9, :4], force)
         aside[count] = row[0]["lateral_displacement_m"]
         place[count] = row[0]["position_m"]
         count += 1

@@ -12,7 +12,7 @@ from wheel_rail import Irregularities, Track, TrackParameters
 from wheel_rail.alignment import heading_rad
 from wheel_rail.irregularity_parameters import IrregularityParameters
 from wheel_rail.irregularity_spectra import QUANTITIES, SPECTRA, SpectrumName
-from wheel_rail.track import track_frame
+from wheel_rail.track_frame import track_frame
 
 ALIGNMENT, SPECTRAL = "Line, alignment", "Line, irregularities"
 GENSYS = "GENSYS manual, PSD of ORE B176"

@@ -9,7 +9,7 @@ from scenarios.verification.case import Case
 from wheel_rail import Track, TrackParameters
 from wheel_rail.one_wheelset import wheelset_contact
 from wheel_rail.recovery import CONDITION, DEGRADED, RECOVERED
-from wheel_rail.track import track_frame
+from wheel_rail.track_frame import track_frame
 from wheel_rail.track_parameters import RAIL_SPACING_M
 
 SPEED_MPS = 10.0

@@ -12,7 +12,11 @@ from scenarios.cosimulation.recorder import Recorder
 from scenarios.scenario_file import load_scenario
 from sensors.streams import Stream, quantities
 from vehicle import OBSERVATION
+from wheel_rail.adhesion_condition import NO_KIND, past_conditions
+from wheel_rail.adhesion_memory import recall_friction
+from wheel_rail.lanes import LANES
 from wheel_rail.peak_adhesion import offered_adhesion
+from wheel_rail.recovery import CONDITION, MU0
 
 ROWS_OF_A_TICK = 2
 ROWS = 30_000
@@ -26,10 +30,12 @@ def written() -> tuple[np.ndarray, np.ndarray]:
     for rows in (motion, brake):
         for k, name in enumerate(rows.dtype.names or ()):
             width = int(np.prod(rows.dtype[name].shape))
-            rows[name] = (row[:, None] + 0.01 * k + 1e-4 * np.arange(width)).reshape(rows[name].shape)
-    for name in ("valve", "valve_command", "sand_command", "track_brake_command", "safety_timer_fired"):
-        brake[name] = np.round(brake[name]) % 3
-    motion["normal_force_n"] = motion["rail_condition"] = 0.0
+            if rows.dtype[name].base == np.int8:
+                values = (row[:, None] + k + np.arange(width)) % 3
+            else:
+                values = row[:, None] + 0.01 * k + 1e-4 * np.arange(width)
+            rows[name] = values.reshape(rows[name].shape)
+    motion["normal_force_n"] = motion["rail_kept"] = 0.0
     return motion, brake
 
 
@@ -61,7 +67,7 @@ def line() -> Line:
 def test_every_row_comes_out_where_it_was_written(line: Line) -> None:
     rows, brake_rows = written()
     recorder, _ = recorded(rows, brake_rows)
-    motion, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact)
+    motion, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact, line.rail)
     brake = recorder.brake(motion.t_s)
     for name in ("t_s", "position_m", "yaw_rad", "specific_force_mps2", "momentum_ns"):
         np.testing.assert_array_equal(getattr(motion, name), rows[name])
@@ -75,20 +81,30 @@ def test_every_row_comes_out_where_it_was_written(line: Line) -> None:
         np.testing.assert_array_equal(getattr(brake, name), rows["t_s"] if name == "t_s" else brake_rows[name])
 
 
-def test_the_peak_on_offer_is_that_of_both_wheels_by_their_loads(line: Line) -> None:
+@pytest.mark.parametrize("memory", [(), ("adhesion.memory.distance_m=0.001",)])
+def test_the_peak_on_offer_is_that_of_both_wheels_by_their_loads(memory: tuple[str, ...]) -> None:
     """On rails alike as on others; a wheelset in the air is offered nothing, and its neighbours what is theirs."""
+    line = Line(load_scenario("low-adhesion-stop", memory))
     rng = np.random.default_rng(5)
     rows = np.zeros(30, OBSERVATION)
     rows["wheelset_speed_mps"] = rng.uniform(-2.0, 40.0, (30, 4))
     load = rng.uniform(4e4, 9e4, (30, 8)) * rng.choice([0.0, 1.0], (30, 8), p=[0.2, 0.8])
     rows["normal_force_n"] = load
-    condition = rows["rail_condition"]
-    condition[..., :12] = 0.1, 0.4, 0.2, 0.3, 0.1, 0.25, 0.5, 0.1, 1.0, 0.4, 5e-4, 300.0
-    condition[::2, 1, :, 0] = 0.05  # the right rail
+    rows["wheelset_position_m"] = rng.uniform(300.0, 1500.0, (30, 4))
+    rows["rail_kept"][:, 0] = 300.0
+    rows["rail_kept"][::2, 1, 1::2] = 2.0  # sand on the right rail
+    rows["memory"] = rng.uniform(0.5, 1.0, (30, 2, 4)).repeat(2, axis=2)
+    condition = np.empty((30, CONDITION, LANES))
+    for row, here in zip(rows, condition, strict=True):
+        place, speed, (energy, sand) = row["wheelset_position_m"], row["wheelset_speed_mps"], row["rail_kept"]
+        past_conditions(place, speed, energy, sand, line.rail, here, np.full(LANES, NO_KIND))
+        if memory:
+            recall_friction(here, row["memory"])
+    assert np.all(condition[::2, MU0, 1::2] > 1.05 * condition[::2, MU0, ::2])
     recorder = Recorder()
     recorder.block[0][:30] = rows
     recorder.rows = 30
-    _, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact)
+    _, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact, line.rail)
     law, patch = line.contact.law, line.contact.patch
     for n, i in np.ndindex(30, 4):
         carried = load[n, 2 * i : 2 * i + 2]
@@ -103,7 +119,7 @@ def test_the_peak_on_offer_is_that_of_both_wheels_by_their_loads(line: Line) -> 
             offered.append(
                 offered_adhesion(
                     law.number, law.address, law.extra, abs(rows["wheelset_speed_mps"][n, i]), load_n,
-                    np.array([patch[0] * growth, patch[1] * growth, *patch[2:]]), condition[n, side, i],
+                    np.array([patch[0] * growth, patch[1] * growth, *patch[2:]]), condition[n, :, 2 * i + side].copy(),
                     line.contact.parameters.shear_modulus_pa, True,
                 )
             )  # fmt: skip
@@ -118,7 +134,7 @@ def test_a_run_is_not_in_memory_twice(line: Line) -> None:
     line.track.gradient_permille(np.zeros(1))
     tracemalloc.start()
     try:
-        motion, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact)
+        motion, wheelsets = recorder.motion_and_wheelsets(line.track, line.contact, line.rail)
         brake = recorder.brake(motion.t_s)
         _, peak = tracemalloc.get_traced_memory()
     finally:

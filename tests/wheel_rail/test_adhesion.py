@@ -10,12 +10,14 @@ from pydantic import ValidationError
 
 from tests.wheel_rail.rail_kinds import CONTACT, LOAD_N, adhesion, condition_at, fresh, parameters, peak
 from wheel_rail import REFERENCE_LOAD_N, REFERENCE_SPEED_MPS, SURFACES, Adhesion, AdhesionParameters
-from wheel_rail.adhesion_condition import rail_condition
+from wheel_rail.adhesion_condition import NO_KIND, past_conditions, rail_condition, rail_conditions
 from wheel_rail.adhesion_curves import curtius_kniffler
-from wheel_rail.adhesion_state import RailState
+from wheel_rail.adhesion_state import RailState, RailTables
+from wheel_rail.compiled import Array, compiled
 from wheel_rail.creep_laws import CREEP_LAWS
+from wheel_rail.lanes import LANES
 from wheel_rail.peak_adhesion import offered_adhesion
-from wheel_rail.recovery import CONDITION, DEGRADED, ENERGY, MU0, RECOVERED, TAU
+from wheel_rail.recovery import CONDITION, DEGRADED, ENERGY, MU0, RECOVERED, SAND, TAU
 from wheel_rail.recovery_parameters import load_recovery
 
 DRY = {"surface": "dry", "peak_adhesion": 0.3}
@@ -175,6 +177,41 @@ def test_a_wheel_meets_the_energy_ahead_of_it_and_not_its_own() -> None:
     state.energy_jpm[:, :501] = 1e6  # all that wheels have left behind
     rail_condition(50.099, 0, 20.0, rail, found)
     assert found[ENERGY] < 1000.0
+
+
+def test_a_coach_meets_what_each_of_its_wheels_meets_alone() -> None:
+    """On every kind of rail and where two of them meet, from place to place, with energy and sand; also in hindsight,
+    when the rails have other energy and sand by then."""
+    kinds_of_rail = (
+        DRY,
+        {"from_m": 300.0, **RECOVERING},
+        {"from_m": 600.0, "surface": "dry", "speed_law": "curtius-kniffler"},
+    )
+    state = RailState(1000.0)
+    made = adhesion(parameters(*kinds_of_rail))
+    rail = made.tables(state)
+    rng = np.random.default_rng(8)
+    state.energy_jpm[:] = rng.uniform(0.0, 1e4, state.energy_jpm.shape)
+    state.sand_gpm[:] = rng.uniform(0.0, 3.0, state.sand_gpm.shape) * (rng.random(state.sand_gpm.shape) < 0.5)
+    other = made.tables(RailState(1000.0))
+    found, kinds = np.empty((CONDITION, LANES)), np.full(LANES, NO_KIND)
+    past, past_kinds = np.empty((CONDITION, LANES)), np.full(LANES, NO_KIND)
+    for centre in (100.0, 100.3, 299.7, 299.9, 300.2, 450.0, 599.8, 700.0, 100.0):
+        s = centre + rng.uniform(-0.4, 0.4, 4)
+        speed = rng.uniform(-5.0, 40.0, 4)
+        _meet(s, speed, rail, found, kinds)
+        for w in range(LANES):
+            alone = condition_at(rail, s[w // 2], speed[w // 2], w % 2)
+            assert found[:, w] == pytest.approx(alone, rel=1e-13), (centre, w)
+        past_conditions(s, speed, found[ENERGY], found[SAND], other, past, past_kinds)
+        assert past == pytest.approx(found, rel=1e-13)
+    assert len(set(kinds)) == 1
+
+
+@compiled
+def _meet(s_m: Array, speed_mps: Array, rail: RailTables, found: Array, kinds: Array) -> None:
+    for i in range(4):
+        rail_conditions(i, s_m[i], speed_mps[i], rail, found, kinds)
 
 
 def test_a_scenario_file_names_its_preset_and_is_written_with_its_figures() -> None:

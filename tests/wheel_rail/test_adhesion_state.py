@@ -9,6 +9,7 @@ from pydantic import ValidationError
 from tests.wheel_rail.rail_kinds import adhesion, condition_at, force, fresh, parameters
 from wheel_rail.adhesion_memory import FrictionMemoryParameters, recall_friction, remember_friction
 from wheel_rail.adhesion_state import ENERGY_KEPT, STATE_CELL_M, RailState, deposit
+from wheel_rail.lanes import LANES
 from wheel_rail.recovery import DEGRADED, ENERGY, RECOVERED
 
 RECOVERING = parameters({"recovery": "low-recovering", "peak_adhesion": 0.07})
@@ -98,38 +99,56 @@ def test_states_that_do_not_belong_here_are_refused() -> None:
         ADHESION.tables(RailState(60.0))
 
 
+def of_wheels(condition: np.ndarray) -> np.ndarray:
+    """Eight wheels on the same rail."""
+    return np.repeat(condition[:, None], LANES, axis=1)
+
+
 def test_friction_follows_the_slip_speed_over_its_distance() -> None:
     """dmu/dt = -(s/d_c)(mu - mu_s) at constant slip speed, in any number of steps."""
     found = condition_at(fresh(RECOVERING, 50.0), 5.0)
     slip, distance = 2.0, 1e-3
     for steps in (1, 7):
-        memory = np.ones(2)
+        memory = np.ones((2, LANES))
         for _ in range(steps):
-            remember_friction(found, memory, slip, 1e-3 / steps, distance, 1e-3)
+            remember_friction(of_wheels(found), memory, np.full(LANES, slip), 1e-3 / steps, distance, 1e-3)
         for k, at in enumerate((DEGRADED, RECOVERED)):
             steady = (1.0 - found[at + 1]) * np.exp(-found[at + 2] * slip) + found[at + 1]
             assert memory[k] == pytest.approx(steady + (1.0 - steady) * np.exp(-2.0), rel=1e-12)
 
 
+def test_each_wheel_remembers_its_own_friction() -> None:
+    found = condition_at(fresh(RECOVERING, 50.0), 5.0)
+    slips = np.linspace(0.0, 7.0, LANES)
+    memory = np.ones((2, LANES))
+    remember_friction(of_wheels(found), memory, slips, 1e-3, 2e-3, 1e-3)
+    for w, slip in enumerate(slips):
+        alone = np.ones((2, LANES))
+        remember_friction(of_wheels(found), alone, np.full(LANES, slip), 1e-3, 2e-3, 1e-3)
+        assert memory[:, w] == pytest.approx(alone[:, 0], rel=1e-14)
+    assert np.all(np.diff(memory[0]) < 0.0)
+
+
 def test_remembered_friction_is_the_laws_own_once_it_has_followed() -> None:
     found = condition_at(fresh(RECOVERING, 50.0), 5.0)
     plain = force(found, 0.2, 20.0)
-    memory = np.ones(2)
-    remember_friction(found, memory, 4.0, 1.0, 1e-5, 1e-3)
-    recalled = found.copy()
+    memory = np.ones((2, LANES))
+    remember_friction(of_wheels(found), memory, np.full(LANES, 4.0), 1.0, 1e-5, 1e-3)
+    recalled = of_wheels(found)
     recall_friction(recalled, memory)
-    fx, _, tangent, secant = force(recalled, 0.2, 20.0)
+    fx, _, tangent, secant = force(recalled[:, 3].copy(), 0.2, 20.0)
     assert (fx, secant) == pytest.approx((plain[0], plain[3]), rel=1e-12)
     assert tangent > 0.0 > plain[2]  # what is remembered does not fall as the slip grows
-    recall_friction(found, np.ones(2))  # a wheel that has just begun to slide
-    assert -force(found, 0.2, 20.0)[0] > 1.2 * -plain[0]
+    recalled = of_wheels(found)
+    recall_friction(recalled, np.ones((2, LANES)))  # a wheel that has just begun to slide
+    assert -force(recalled[:, 3].copy(), 0.2, 20.0)[0] > 1.2 * -plain[0]
 
 
 def test_a_wheel_at_rest_forgets_at_the_lowest_slip() -> None:
     found = condition_at(fresh(RECOVERING, 50.0), 5.0)
-    memory = np.full(2, 0.5)
-    remember_friction(found, memory, 0.0, 1.0, 1e-3, 1e-3)
-    assert memory == pytest.approx([1.0 - 0.5 * np.exp(-1.0)] * 2)
+    memory = np.full((2, LANES), 0.5)
+    remember_friction(of_wheels(found), memory, np.zeros(LANES), 1.0, 1e-3, 1e-3)
+    assert memory == pytest.approx(np.full((2, LANES), 1.0 - 0.5 * np.exp(-1.0)))
 
 
 def test_tables_tell_of_the_memory() -> None:

@@ -40,10 +40,11 @@ def random_wheels(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     wheels[GROWTH] = rng.uniform(-1e-4, 1e-4, LANES)
     wheels[[FRAME + 3, FRAME + 7, FRAME + 11]] = 1.0
     wheels[FRAME + 13] = 1e-3
-    condition = np.tile([0.08, 0.4, 0.2, 1.0, 0.4, 0.3, 0.4, 0.6, 1.0, 0.4, 0.0, 0.0, 0.0], (LANES, 1))
-    assert condition.shape == (LANES, CONDITION)
-    condition[:, 10] = rng.choice([0.0, 1.9e-4, 2e-3], LANES)
-    condition[:, 11] = rng.choice([0.0, 2e3, 2e4], LANES)
+    of_each = np.array([0.08, 0.4, 0.2, 1.0, 0.4, 0.3, 0.4, 0.6, 1.0, 0.4, 0.0, 0.0, 0.0])
+    condition = np.repeat(of_each[:, None], LANES, axis=1)
+    assert condition.shape == (CONDITION, LANES)
+    condition[TAU] = rng.choice([0.0, 1.9e-4, 2e-3], LANES)
+    condition[ENERGY] = rng.choice([0.0, 2e3, 2e4], LANES)
     return wheels, condition
 
 
@@ -63,7 +64,7 @@ def test_wheels_in_another_order_have_the_same_forces(law: str) -> None:
         wheels, condition = random_wheels(rng)
         order = np.arange(LANES)
         order[::2], order[1::2] = rng.permutation(order[::2]), rng.permutation(order[1::2])
-        plain, moved = forces(wheels, condition, constants), forces(wheels[:, order], condition[order], constants)
+        plain, moved = forces(wheels, condition, constants), forces(wheels[:, order], condition[:, order], constants)
         assert np.isfinite(plain).all()
         # one wheel beyond the polynomial of the recovery's equation sends all to the other method, good to 1e-9
         assert moved == pytest.approx(plain[:, order], rel=1e-8, abs=1e-6)

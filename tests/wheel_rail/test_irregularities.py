@@ -12,10 +12,10 @@ from pydantic import ValidationError
 
 from wheel_rail import Irregularities, Track, TrackParameters
 from wheel_rail.compiled import Array, compiled
-from wheel_rail.irregularities import displaced_frame, rail_offsets
+from wheel_rail.irregularities import ASIDE, SLOPES, UP, displaced_frame, rail_offsets
 from wheel_rail.irregularity_parameters import IrregularityParameters
 from wheel_rail.irregularity_spectra import QUANTITIES, SPECTRA
-from wheel_rail.track import track_frame
+from wheel_rail.track_frame import track_frame
 
 
 def drawn(length_m: float = 3000.0, seed: int = 1, **values: object) -> Irregularities:
@@ -36,7 +36,7 @@ def displaced_one(wheel: Array, track: Array, offsets: Array, rail: int, moved: 
         (wheel[0] - track[0], wheel[1] - track[1], wheel[2] - track[2]),
         ((track[3], track[4], track[5]), (track[6], track[7], track[8]), (track[9], track[10], track[11]), track[12],
          track[13]),
-        (offsets[2 * rail], offsets[2 * rail + 1], offsets[4 + 2 * rail], offsets[5 + 2 * rail]),
+        (offsets[ASIDE + rail], offsets[UP + rail], offsets[SLOPES + ASIDE + rail], offsets[SLOPES + UP + rail]),
     )  # fmt: skip
     for j in range(3):
         moved[j] = track[j] + origin[j]
@@ -71,7 +71,7 @@ def test_rails_lie_where_the_four_quantities_put_them() -> None:
     values = np.zeros((200, 4))
     values[100] = 0.004, 0.003, 0.002, 0.001
     rough = Irregularities(0.0, 0.25, values)
-    left_y, left_z, right_y, right_z = offsets_at(rough, 25.0)[:4]
+    left_y, right_y, left_z, right_z = offsets_at(rough, 25.0)[:SLOPES]
     assert 0.5 * (left_z + right_z) == pytest.approx(0.004)
     assert 0.5 * (left_y + right_y) == pytest.approx(0.003)
     assert right_z - left_z == pytest.approx(0.002)  # right rail raised, as cant is
@@ -125,7 +125,7 @@ def test_a_rails_frame_runs_along_the_rail(
     def place(s: float) -> np.ndarray:
         frame = np.empty(14)
         track_frame(s, track.origin_m, track.table, frame)
-        aside, up = offsets_at(rough, s)[2 * rail : 2 * rail + 2]
+        aside, up = offsets_at(rough, s)[[ASIDE + rail, UP + rail]]
         return frame[:3] + aside * frame[6:9] + up * frame[9:12]
 
     frame, moved = np.empty(14), np.empty(14)

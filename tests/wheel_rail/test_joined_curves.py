@@ -11,7 +11,7 @@ from scipy.special import fresnel
 
 from wheel_rail import Track, TrackParameters
 from wheel_rail.alignment import curvature_radpm, heading_rad, roll_rad
-from wheel_rail.track import track_frame
+from wheel_rail.track_frame import track_frame
 from wheel_rail.track_parameters import Curve
 from wheel_rail.transitions import TRANSITIONS
 

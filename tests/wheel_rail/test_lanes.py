@@ -9,9 +9,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wheel_rail.compiled import compiled
-from wheel_rail.lane_arrays import lanes_at, of_wheels, of_wheelsets, put_lanes, put_wheelsets
-from wheel_rail.lane_functions import cube_root
-from wheel_rail.lanes import LANES, every, greater, lane, lanes_of, lesser, some, where
+from wheel_rail.lane_arrays import lanes_at, of_pairs, of_wheels, of_wheelsets, put_four, put_lanes, put_wheelsets
+from wheel_rail.lane_functions import cube_root, over_root
+from wheel_rail.lanes import (
+    LANES,
+    doubled,
+    every,
+    greater,
+    joined,
+    lane,
+    lanes_of,
+    lesser,
+    some,
+    swapped,
+    total,
+    where,
+)
 
 eights = st.lists(st.floats(-1e3, 1e3), min_size=LANES, max_size=LANES).map(np.array)
 
@@ -54,6 +67,12 @@ def test_functions_are_right_to_the_last_places(x: np.ndarray, power: float) -> 
     assert out == pytest.approx(right, rel=4.0 * np.finfo(float).eps, abs=0.0)
 
 
+@given(st.floats(-0.04, 0.04))
+def test_over_root_is_as_right_as_it_says(y: float) -> None:
+    allowed = 4e-16 if abs(y) <= 0.004 else 2e-15 if abs(y) <= 0.01 else 3e-11
+    assert over_root(y) == pytest.approx(1.0 / math.sqrt(1.0 + y), rel=allowed, abs=0.0)
+
+
 def test_functions_at_the_ends() -> None:
     x = np.array([0.0, -0.0, 1e9, -1e9, math.inf, -math.inf, math.nan, -800.0])
     out = np.empty(3 * LANES)
@@ -81,13 +100,25 @@ def _moved(rows: np.ndarray, out: np.ndarray) -> float:
     put_lanes(out, 0, of_wheels(rows, 1, 3))
     put_lanes(out, 8, of_wheelsets(rows, 2, 3))
     put_wheelsets(out, 16, 2, lanes_of((1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)))
+    put_lanes(out, 24, of_pairs(rows, 1, 5))
+    value = lanes_at(rows, 8)
+    put_lanes(out, 32, swapped(value))
+    put_lanes(out, 40, joined(value, lanes_at(rows, 0)))
+    put_lanes(out, 48, doubled(value))
+    put_four(out, 56, value)
+    out[7, 7] = total(value)
     return float(lane(lanes_at(rows, 3), 2))
 
 
 def test_lanes_come_from_arrays_and_go_back() -> None:
     rows = np.arange(24.0).reshape(LANES, 3)
-    out = np.zeros((3, LANES))
+    out = np.zeros((8, LANES))
     assert _moved(rows, out) == 5.0
     assert out[0].tolist() == rows[:, 1].tolist()
     assert out[1].tolist() == [2.0, 2.0, 5.0, 5.0, 8.0, 8.0, 11.0, 11.0]
     assert out[2].tolist() == [3.0, 0.0, 7.0, 0.0, 11.0, 0.0, 15.0, 0.0]
+    assert out[3].tolist() == [1.0, 2.0, 6.0, 7.0, 11.0, 12.0, 16.0, 17.0]
+    assert out[4].tolist() == [12.0, 13.0, 14.0, 15.0, 8.0, 9.0, 10.0, 11.0]
+    assert out[5].tolist() == [8.0, 9.0, 10.0, 11.0, 0.0, 1.0, 2.0, 3.0]
+    assert out[6].tolist() == [8.0, 8.0, 9.0, 9.0, 10.0, 10.0, 11.0, 11.0]
+    assert out[7].tolist() == [8.0, 9.0, 10.0, 11.0, 0.0, 0.0, 0.0, 92.0]

@@ -107,7 +107,7 @@ def to_wheels(
     peak, creep = np.full((2, LANES), np.nan)
     offered_to_wheels(
         law.number, law.address, law.extra, speed, load, tuple(PATCH), CONTACT.load_n,
-        np.array([wheel[2] for wheel in wheels]), SHEAR_PA, own_cleaning, peak, creep,
+        np.stack([wheel[2] for wheel in wheels], axis=1), SHEAR_PA, own_cleaning, peak, creep,
     )  # fmt: skip
     return peak, creep
 

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from wheel_rail import Track, TrackParameters
-from wheel_rail.track import track_frame
+from wheel_rail.lanes import LANES
+from wheel_rail.track_frame import FRAME_ROWS, track_frame, track_frames
 
 CURVED = TrackParameters.model_validate(
     {
@@ -25,6 +26,18 @@ def frame_at(track: Track, s_m: float) -> np.ndarray:
     frame = np.empty(14)
     track_frame(s_m, track.origin_m, track.table, frame)
     return frame
+
+
+def test_the_frames_of_a_coach_are_those_of_each_of_its_places() -> None:
+    """In transitions, curves and gradients, on the line and beyond its ends; further lanes follow the last place."""
+    rng = np.random.default_rng(4)
+    frames = np.empty((FRAME_ROWS, LANES))
+    for centre in (-60.0, 5.0, 340.0, 600.0, 1210.0, 2490.0, 2600.0):
+        places = centre + rng.uniform(-12.0, 12.0, LANES)
+        track_frames(places, 5, TRACK.origin_m, TRACK.table, frames)
+        alone = np.array([frame_at(TRACK, s) for s in places[[0, 1, 2, 3, 4, 4, 4, 4]]])
+        each = frames.T
+        assert each == pytest.approx(alone, rel=1e-13, abs=1e-13)
 
 
 def test_transition_moves_the_track_by_its_closed_form() -> None:
