@@ -141,7 +141,7 @@ def _instant(row: np.void, coach: np.void) -> dict[str, np.ndarray]:
     axes = coach["frame"][3:12, :4].T.reshape(4, 3, 3)  # tangent, left, up at each wheelset
     forwards, left, up = np.einsum("ijk,isk->jis", axes, force)
     on_wheelset = (coach["force"][CONTACT_NORMAL] + coach["force"][CREEP])[_FIRST_WHEELSET:SPIN].reshape(4, 6)[:, :3]
-    body, track = coach["rotation"][0], coach["frame"][3:12, BODY_FRAME].reshape(3, 3)
+    body, track = coach["rotation"][:, :, 0], coach["frame"][3:12, BODY_FRAME].reshape(3, 3)
     return {
         "speed": np.array([row["speed_mps"]]),
         "wheel_load": up.ravel(),

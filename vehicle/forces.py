@@ -9,7 +9,7 @@ import math
 
 from vehicle.layout import BODY_FRAME, CLASSES, FRAMES, MOST_ROWS
 from vehicle.parameters import GRAVITY_MPS2
-from vehicle.rotations import body_frames, place_of
+from vehicle.rotations import BODY_LANES, body_frames, place_of
 from vehicle.suspension import add_suspension
 from wheel_rail.adhesion_condition import NO_KIND, rail_conditions
 from wheel_rail.adhesion_memory import recall_friction
@@ -35,7 +35,7 @@ from wheel_rail.track_frame import FRAME_ROWS, track_frames
 GRAVITY, SUSPENSION, CONTACT_NORMAL, CREEP, BRAKE, DRIVE, RESISTANCE, TRACK_BRAKE, GYROSCOPIC = range(CLASSES)
 
 _MOST_LOOKS, _NEAR_M = 20, 1e-3
-_WHEELSETS = 27  # where the rotations of the wheelsets begin among those of the bodies
+_FIRST_WHEELSET = 3  # among the bodies
 _STANDING_MPS = 0.05  # below this speed the force of a track brake fades, so that it holds and does not push
 
 
@@ -85,15 +85,21 @@ def _three_doubled(rows: Array, number: int) -> Three:
     return doubled(x), doubled(y), doubled(z)
 
 
+@inlined
+def _of_rotations(rotation: Array, row: int, column: int) -> Lanes:
+    """An entry of the wheelsets' rotation matrices."""
+    return doubled(lanes_at(rotation, (3 * row + column) * BODY_LANES + _FIRST_WHEELSET))
+
+
 @compiled
 def wheels_on_rails(q: Array, v: Array, coach: Record) -> None:
     """Contact forces of all wheels on their wheelsets, into `coach.force`; needs rotations and `find_rails`."""
     wheels, rotation = coach.wheels, coach.rotation
     for j in range(3):
         put_row(wheels, PLACE + j, of_wheelsets(q, 18 + j, 6))
-        put_row(wheels, AXLE + j, of_wheelsets(rotation, _WHEELSETS + 3 * j + 1, 9))
+        put_row(wheels, AXLE + j, _of_rotations(rotation, j, 1))
         put_row(wheels, VELOCITY + j, of_wheelsets(v, 18 + j, 6))
-        x, z = of_wheelsets(rotation, _WHEELSETS + 3 * j, 9), of_wheelsets(rotation, _WHEELSETS + 3 * j + 2, 9)
+        x, z = _of_rotations(rotation, j, 0), _of_rotations(rotation, j, 2)
         put_row(wheels, CARRIER_RATE + j, x * of_wheelsets(v, 21, 6) + z * of_wheelsets(v, 23, 6))
     put_row(wheels, SPIN, of_wheelsets(v, 42, 1))
     normal, creep = coach.wheel_normal, coach.wheel_creep
@@ -106,8 +112,7 @@ def wheels_on_rails(q: Array, v: Array, coach: Record) -> None:
         for j in range(3):
             put_wheelsets(force, at + 18 + j, 6, lanes_at(rows, j * LANES))
             # moments in body axes
-            x, y = of_wheelsets(rotation, _WHEELSETS + j, 9), of_wheelsets(rotation, _WHEELSETS + 3 + j, 9)
-            z = of_wheelsets(rotation, _WHEELSETS + 6 + j, 9)
+            x, y, z = _of_rotations(rotation, 0, j), _of_rotations(rotation, 1, j), _of_rotations(rotation, 2, j)
             put_wheelsets(force, at + 21 + j, 6, x * a + y * b + z * c)
         put_wheelsets(force, at + 42, 1, lanes_at(rows, 6 * LANES))
 
@@ -170,7 +175,7 @@ def _add_track_brake(b: int, v: Array, coach: Record, force: Array) -> None:
     for j in range(3):
         speed += 0.5 * v[at + j] * (front[3 + j] + rear[3 + j])
     drag = coach.track_brake[b - 1] * math.tanh(speed / _STANDING_MPS)
-    rotation = coach.rotation[b]
+    rotation = coach.rotation[:, :, b]
     for j in range(3):
         force[at + j] = -0.5 * drag * (front[3 + j] + rear[3 + j])
         about = 0.0
@@ -257,14 +262,14 @@ def forces_on_rails(q: Array, v: Array, coach: Record) -> None:
             _add_track_brake(b, v, coach, force[TRACK_BRAKE])
     for i in range(4):
         at, spin_at, bogie = 18 + 6 * i, 42 + i, 6 * coach.bogie_of[i]
-        rotation = coach.rotation[3 + i]
+        rotation = coach.rotation[:, :, 3 + i]
         spin = v[spin_at]
         # torques on the spinning wheelset react on the bogie that carries caliper and gearbox
         torque, coach.stuck[i] = _brake_torque(i, q[spin_at], spin, coach)
         coach.brake_torque[i] = torque
         force[BRAKE, spin_at] = torque
         force[DRIVE, spin_at] = coach.drive[i]
-        frame_rotation = coach.rotation[coach.bogie_of[i]]
+        frame_rotation = coach.rotation[:, :, coach.bogie_of[i]]
         for j in range(3):
             along = (
                 frame_rotation[0, j] * rotation[0, 1]

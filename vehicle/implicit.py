@@ -141,5 +141,5 @@ def yaw_has_changed(coach: Record) -> bool:
 @compiled
 def _yaw(i: int, coach: Record) -> float:
     """Sine of the angle from the track at the carbody to the rolling direction of wheelset i."""
-    frame, rotation = coach.frame[:, BODY_FRAME], coach.rotation[3 + i]
+    frame, rotation = coach.frame[:, BODY_FRAME], coach.rotation[:, :, 3 + i]
     return frame[6] * rotation[0, 0] + frame[7] * rotation[1, 0] + frame[8] * rotation[2, 0]

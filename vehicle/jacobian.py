@@ -77,7 +77,7 @@ def _add_contact(
     i: int, report: Array, spin_radps: float, factor_q: float, factor_v: float, coach: Record, jacobian: Array
 ) -> None:
     """One wheel: with G the rows along the contact's axes, G^T times the change of its three forces."""
-    rotation = coach.rotation[3 + i]
+    rotation = coach.rotation[:, :, 3 + i]
     rows = coach.probe_rows
     along, across, normal = rows[0], rows[1], rows[2]
     cx, cy, cz = report[ALONG], report[ALONG + 1], report[ALONG + 2]
@@ -135,7 +135,7 @@ def _add_flange(i: int, q: Array, factor_q: float, coach: Record, jacobian: Arra
     row = coach.probe_rows[0]
     radius = contact.radius_m
     _row(row, frame[6], frame[7], frame[8], -radius * frame[9], -radius * frame[10], -radius * frame[11],
-         coach.rotation[3 + i])  # fmt: skip
+         coach.rotation[:, :, 3 + i])  # fmt: skip
     stiffness = factor_q * contact.flange_stiffness_npm
     for a in range(6):
         for b in range(3):
@@ -150,8 +150,8 @@ def _add_spin(i: int, v: Array, factor_q: float, factor_v: float, coach: Record,
     if coach.stuck[i] > 0.0:
         stiffness = factor_q * coach.caliper_stiffness + factor_v * coach.caliper_damping
         jacobian[spin_at, spin_at] += stiffness
-        rotation = coach.rotation[3 + i]
-        frame_rotation = coach.rotation[coach.bogie_of[i]]
+        rotation = coach.rotation[:, :, 3 + i]
+        frame_rotation = coach.rotation[:, :, coach.bogie_of[i]]
         for j in range(3):
             along = 0.0
             for m in range(3):

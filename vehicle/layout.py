@@ -151,7 +151,7 @@ COACH = np.dtype(
         ("ahead_q", "f8", (MOST_COORDINATES,)),  # the predictor
         ("ahead_v", "f8", (MOST_COORDINATES,)),
         # worked out in every evaluation
-        ("rotation", "f8", (BODY_LANES, 3, 3)),
+        ("rotation", "f8", (3, 3, BODY_LANES)),
         ("brake_torque", "f8", (4,)),
         ("stuck", "f8", (4,)),
         # of the last Jacobian, to tell when it has aged

@@ -112,7 +112,7 @@ def observe(t_s: float, address: int, row_address: int) -> None:
 @inlined
 def _observe_body(v: Array, coach: Record, out: Record) -> None:
     """Motion of the carbody."""
-    frame, r = coach.frame[:, BODY_FRAME], coach.rotation[0]
+    frame, r = coach.frame[:, BODY_FRAME], coach.rotation[:, :, 0]
     out.roll_rad = math.atan2(r[2, 1], r[2, 2])
     out.pitch_rad = -math.asin(min(max(r[2, 0], -1.0), 1.0))
     out.yaw_rad = math.atan2(r[1, 0], r[0, 0])

@@ -18,8 +18,8 @@ KNOTS = 864  # six slots with a curve of 24 points over deflection and one over 
 # what the elements of a slot are, rows of lanes: lower point in the lower body's axes, upper one in the upper body's,
 # stiffness, damping (3 each), preload
 POINT, REST, STIFFNESS, DAMPING, PRELOAD, SLOT = 0, 3, 6, 9, 12, 13
-# of a batch: where the rotations and the coordinates of the upper and of the lower bodies begin
-ROTATION_UPPER, ROTATION_LOWER, UPPER, LOWER, PLACES = range(5)
+# of a batch: the upper and the lower bodies, and where their coordinates begin
+BODY_UPPER, BODY_LOWER, UPPER, LOWER, PLACES = range(5)
 # a knot of a curve: where its slope changes and by how much, on the side above 0 and on the side below
 KNOT = 4
 OVER_DEFLECTION, OVER_SPEED = 0, 1
@@ -48,7 +48,7 @@ def arrange_pairs(c: np.void) -> None:
         lanes = seats[LANES * batch : LANES * (batch + 1)]
         for k, seat in enumerate(lanes):
             bodies = np.array([seat.upper, seat.lower])
-            c["pair_place"][batch, :, k] = [*(9 * bodies), *c["body_place"][bodies]]
+            c["pair_place"][batch, :, k] = [*bodies, *c["body_place"][bodies]]
             for e in seat.turning:
                 c["pair_turning"][batch, :3, k] += c["rotational_stiffness"][e]
                 c["pair_turning"][batch, 3:, k] += c["rotational_damping"][e]

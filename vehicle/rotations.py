@@ -4,7 +4,7 @@ Eight bodies are worked on at once, a lane for each; lanes without a body follow
 """
 
 from wheel_rail.compiled import Array, Record, compiled, inlined
-from wheel_rail.lane_arrays import lanes_at, of_places, put_lanes, put_wheels
+from wheel_rail.lane_arrays import lanes_at, of_places, put_lanes
 from wheel_rail.lanes import LANES, Lanes
 
 BODY_LANES = 2 * LANES
@@ -18,19 +18,19 @@ def place_of(body: int) -> int:
 
 @compiled
 def body_frames(q: Array, coach: Record) -> None:
-    """Rotation matrices of the bodies at q."""
+    """Rotation matrices of the bodies at q, into `coach.rotation` (3, 3, BODY_LANES)."""
     for first in range(0, coach.bodies, LANES):
         w, x, y, z = _attitudes(first, q, coach)
-        at, rotation = 9 * first, coach.rotation
-        put_wheels(rotation, at, 9, 1.0 - 2.0 * (y * y + z * z))
-        put_wheels(rotation, at + 1, 9, 2.0 * (x * y - w * z))
-        put_wheels(rotation, at + 2, 9, 2.0 * (x * z + w * y))
-        put_wheels(rotation, at + 3, 9, 2.0 * (x * y + w * z))
-        put_wheels(rotation, at + 4, 9, 1.0 - 2.0 * (x * x + z * z))
-        put_wheels(rotation, at + 5, 9, 2.0 * (y * z - w * x))
-        put_wheels(rotation, at + 6, 9, 2.0 * (x * z - w * y))
-        put_wheels(rotation, at + 7, 9, 2.0 * (y * z + w * x))
-        put_wheels(rotation, at + 8, 9, 1.0 - 2.0 * (x * x + y * y))
+        rotation = coach.rotation
+        put_lanes(rotation, first, 1.0 - 2.0 * (y * y + z * z))
+        put_lanes(rotation, first + BODY_LANES, 2.0 * (x * y - w * z))
+        put_lanes(rotation, first + 2 * BODY_LANES, 2.0 * (x * z + w * y))
+        put_lanes(rotation, first + 3 * BODY_LANES, 2.0 * (x * y + w * z))
+        put_lanes(rotation, first + 4 * BODY_LANES, 1.0 - 2.0 * (x * x + z * z))
+        put_lanes(rotation, first + 5 * BODY_LANES, 2.0 * (y * z - w * x))
+        put_lanes(rotation, first + 6 * BODY_LANES, 2.0 * (x * z - w * y))
+        put_lanes(rotation, first + 7 * BODY_LANES, 2.0 * (y * z + w * x))
+        put_lanes(rotation, first + 8 * BODY_LANES, 1.0 - 2.0 * (x * x + y * y))
 
 
 @inlined

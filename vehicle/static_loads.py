@@ -66,7 +66,7 @@ def static_loads(parameters: CoachParameters) -> StaticLoads:
     load = np.empty(len(carrying))
     for k, e in enumerate(carrying):
         place = [
-            q[first_coordinate(body) : first_coordinate(body) + 3] + coach["rotation"][body] @ coach[point][e]
+            q[first_coordinate(body) : first_coordinate(body) + 3] + coach["rotation"][:, :, body] @ coach[point][e]
             for body, point in ((upper[k], "upper_point"), (lower[k], "lower_point"))
         ]
         load[k] = coach["preload"][e] + coach["stiffness"][e, 2] * (place[1] - place[0])[2]

@@ -6,6 +6,8 @@ momentum, angular momentum and energy. A lane is a pair of bodies (`vehicle.pair
 """
 
 from vehicle.pairs import (
+    BODY_LOWER,
+    BODY_UPPER,
     DAMPING,
     KNOT,
     LOWER,
@@ -15,12 +17,11 @@ from vehicle.pairs import (
     POINT,
     PRELOAD,
     REST,
-    ROTATION_LOWER,
-    ROTATION_UPPER,
     SLOT,
     STIFFNESS,
     UPPER,
 )
+from vehicle.rotations import BODY_LANES
 from wheel_rail.compiled import Array, Record, compiled, inlined
 from wheel_rail.lane_arrays import add_at_places, lanes_at, of_places
 from wheel_rail.lanes import LANES, Lanes, greater, where
@@ -42,6 +43,17 @@ def _three(array: Array, places: Array, first: int, shift: int) -> Three:
         of_places(array, places, first, shift),
         of_places(array, places, first, shift + 1),
         of_places(array, places, first, shift + 2),
+    )
+
+
+@inlined
+def _row(rotation: Array, places: Array, first: int, row: int) -> Three:
+    """A row of the rotation matrix of each body."""
+    at = 3 * BODY_LANES * row
+    return (
+        of_places(rotation, places, first, at),
+        of_places(rotation, places, first, at + BODY_LANES),
+        of_places(rotation, places, first, at + 2 * BODY_LANES),
     )
 
 
@@ -96,15 +108,13 @@ def _add_between(batch: int, q: Array, v: Array, coach: Record, f: Array) -> Non
     first = LANES * PLACES * batch
     at_u, at_w = first + LANES * UPPER, first + LANES * LOWER
     rotation = coach.rotation
-    turned_u, turned_w = first + LANES * ROTATION_UPPER, first + LANES * ROTATION_LOWER
+    upper, lower = first + LANES * BODY_UPPER, first + LANES * BODY_LOWER
     # rows of the rotations: what the world's axes are in the bodies'
     ux, uy, uz = (
-        _three(rotation, places, turned_u, 0), _three(rotation, places, turned_u, 3),
-        _three(rotation, places, turned_u, 6),
+        _row(rotation, places, upper, 0), _row(rotation, places, upper, 1), _row(rotation, places, upper, 2)
     )  # fmt: skip
     wx, wy, wz = (
-        _three(rotation, places, turned_w, 0), _three(rotation, places, turned_w, 3),
-        _three(rotation, places, turned_w, 6),
+        _row(rotation, places, lower, 0), _row(rotation, places, lower, 1), _row(rotation, places, lower, 2)
     )  # fmt: skip
     # the lower body in the upper one's axes: its axes, its centre, that one's speed, the rate of turn between them
     ahead, left, up = (
@@ -160,10 +170,10 @@ def _add_between(batch: int, q: Array, v: Array, coach: Record, f: Array) -> Non
     add_at_places(f, places, at_w, 0, -x)
     add_at_places(f, places, at_w, 1, -y)
     add_at_places(f, places, at_w, 2, -z)
-    lower = lower_x, lower_y, lower_z
-    add_at_places(f, places, at_w, 3, -_dot(ahead, lower))
-    add_at_places(f, places, at_w, 4, -_dot(left, lower))
-    add_at_places(f, places, at_w, 5, -_dot(up, lower))
+    moment = lower_x, lower_y, lower_z
+    add_at_places(f, places, at_w, 3, -_dot(ahead, moment))
+    add_at_places(f, places, at_w, 4, -_dot(left, moment))
+    add_at_places(f, places, at_w, 5, -_dot(up, moment))
 
 
 @inlined

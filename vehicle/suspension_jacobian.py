@@ -44,7 +44,7 @@ def _world_rate(rotation: Array, v: Array, at: int) -> tuple[float, float, float
 def _relative(q: Array, v: Array, coach: Record, e: int, out: Array) -> None:
     """Deflection (3), its speed (3), lever arms of the lower point on upper (3) and lower (3) body: `out` (12,)."""
     u, w = coach.upper[e], coach.lower[e]
-    ru, rw = coach.rotation[u], coach.rotation[w]
+    ru, rw = coach.rotation[:, :, u], coach.rotation[:, :, w]
     point, rest = coach.lower_point[e], coach.upper_point[e]
     a, b, c = point[0], point[1], point[2]
     ax = rw[0, 0] * a + rw[0, 1] * b + rw[0, 2] * c
@@ -76,7 +76,7 @@ def add_suspension_jacobian(
     g = coach.probe_map
     for e in range(coach.elements):
         u, w = coach.upper[e], coach.lower[e]
-        ru, rw = coach.rotation[u], coach.rotation[w]
+        ru, rw = coach.rotation[:, :, u], coach.rotation[:, :, w]
         _relative(q, v, coach, e, rel)
         for axis in range(3):
             k, c = _axis_slopes(rel[axis], rel[3 + axis], e, axis, coach)

@@ -70,18 +70,6 @@ def of_wheels(_typing: Any, array: Any, offset: Any, stride: Any) -> Any:
 
 
 @intrinsic
-def put_wheels(_typing: Any, array: Any, offset: Any, stride: Any, value: Any) -> Any:
-    """Write one float for each wheel."""
-
-    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        for k, place in enumerate(_places(context, builder, sig, args, LANES)):
-            builder.store(builder.extract_element(args[3], ir.IntType(32)(k)), place)
-        return context.get_dummy_value()
-
-    return types.none(array, types.intp, types.intp, LANES_TYPE), code
-
-
-@intrinsic
 def of_wheelsets(_typing: Any, array: Any, offset: Any, stride: Any) -> Any:
     """One float for each wheelset, in the lanes of its left and its right wheel."""
 

@@ -52,7 +52,7 @@ class Compiled:
         coach = self.record[0]
         for i in range(3, 7):
             at = slice(6 * i, 6 * i + 3)
-            rotation = coach["rotation"][i]
+            rotation = coach["rotation"][:, :, i]
             for side in (SUPPORT_HALF_M, -SUPPORT_HALF_M):
                 arm = rotation @ np.array([0.0, side, 0.0])
                 stretch = self.q[at] + arm - self.centres[i] - np.array([0.0, side, 0.0])

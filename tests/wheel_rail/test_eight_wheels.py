@@ -64,7 +64,8 @@ def test_wheels_in_another_order_have_the_same_forces(law: str) -> None:
         wheels, condition = random_wheels(rng)
         order = np.arange(LANES)
         order[::2], order[1::2] = rng.permutation(order[::2]), rng.permutation(order[1::2])
-        plain, moved = forces(wheels, condition, constants), forces(wheels[:, order], condition[:, order], constants)
+        plain = forces(wheels, condition, constants)
+        moved = forces(wheels[:, order].copy(), condition[:, order].copy(), constants)
         assert np.isfinite(plain).all()
         # one wheel beyond the polynomial of the recovery's equation sends all to the other method, good to 1e-9
         assert moved == pytest.approx(plain[:, order], rel=1e-8, abs=1e-6)
@@ -98,10 +99,10 @@ def test_the_law_in_lanes_is_the_law_of_one_wheel() -> None:
         slip_mps = np.hypot(*creep) * SPEED_MPS
         spin, load = rng.normal(0.0, 0.3, LANES), rng.uniform(1e3, 2e5, LANES)
         wheels = np.array([*creep, spin, slip_mps, np.full(LANES, SPEED_MPS), load])
-        _in_lanes(wheels, tuple(PATCH), np.ascontiguousarray(condition.T), out)
+        _in_lanes(wheels, tuple(PATCH), condition, out)
         for w in range(LANES):
             alone = adhesive_force(
-                LAW.number, LAW.address, LAW.extra, *wheels[:, w], tuple(PATCH), condition[w], SHEAR_PA
+                LAW.number, LAW.address, LAW.extra, *wheels[:, w], tuple(PATCH), condition[:, w].copy(), SHEAR_PA
             )  # fmt: skip
             # the recovery's equation is solved to 1e-9 where it is solved step by step
             assert out[:, w] == pytest.approx(alone, rel=1e-8, abs=1e-9)

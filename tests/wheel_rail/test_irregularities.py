@@ -109,8 +109,8 @@ def test_a_wave_is_read_as_a_wave() -> None:
     rough = Irregularities(0.0, cell, np.stack([wave, 0.0 * wave, 0.0 * wave, 0.0 * wave], axis=1))
     for s in np.linspace(30.0, 60.0, 500):
         found = offsets_at(rough, s)
-        assert found[1] == pytest.approx(1e-3 * np.sin(2.0 * np.pi * s / length), abs=1e-6)
-        assert found[5] == pytest.approx(2e-3 * np.pi / length * np.cos(2.0 * np.pi * s / length), abs=1e-5)
+        assert found[UP] == pytest.approx(1e-3 * np.sin(2.0 * np.pi * s / length), abs=1e-6)
+        assert found[SLOPES + UP] == pytest.approx(2e-3 * np.pi / length * np.cos(2.0 * np.pi * s / length), abs=1e-5)
 
 
 @settings(max_examples=100, deadline=None)
