@@ -19,11 +19,10 @@ from vehicle.forces import (
     SUSPENSION,
     TRACK_BRAKE,
     forces_on_rails,
-    from_frames,
-    speeds_along,
 )
 from vehicle.layout import BODY_FRAME, CLASSES, MOST_ROWS, coach_at
 from vehicle.parameters import GRAVITY_MPS2
+from vehicle.rails import from_frames, speeds_along
 from vehicle.rotations import place_of
 from wheel_rail.adhesion_memory import MEMORY
 from wheel_rail.compiled import Array, Record, array_at, compiled, inlined, record_reader

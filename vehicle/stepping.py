@@ -9,9 +9,10 @@ compiled call before the step does everything and Exudyn need not call back, nei
 
 import math
 
-from vehicle.forces import add_classes, forces_by_class, meet_rails, speeds_along
+from vehicle.forces import add_classes, forces_by_class
 from vehicle.implicit import ALPHA_F, ALPHA_M, BETA, GAMMA, new_response, respond, yaw_has_changed
 from vehicle.layout import ACTUATION, coach_at
+from vehicle.rails import meet_rails, speeds_along
 from vehicle.rotations import commit_attitudes
 from vehicle.suspension_jacobian import friction_has_changed
 from wheel_rail.adhesion_memory import remember_friction
