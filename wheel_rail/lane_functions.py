@@ -114,7 +114,7 @@ def _atan_of(x: Lanes) -> Any:
 
 @inlined
 def over_root(y: Lanes) -> Lanes:
-    """1/sqrt(1 + y) of floats and lanes, for small y: to rounding up to 0.004, to 2e-15 at 0.01 and 5e-11 at 0.04.
+    """1/sqrt(1 + y) of floats and lanes, for small y: to rounding up to 0.004, to 3e-15 at 0.01 and 5e-11 at 0.04.
 
     For vectors that are nearly of unit length already; a root and a quotient would take four times as long.
     """
